@@ -1,5 +1,5 @@
-//! Commands: every change of a sculpture is a value of [`Command`], with a stable text form, so that
-//! scripts and recordings are lists of commands.
+//! Commands: every change of a sculpture is a value of [`Command`] with a stable text form. Scripts and recordings are
+//! lists of commands.
 //!
 //! Defines commands, not their execution: `document` executes those that concern the sculpture,
 //! `session` those that concern files.
@@ -94,8 +94,8 @@ pub enum Command {
         op: EditOp,
         /// The solid.
         primitive: Primitive,
-        /// Where its centre moves, in voxel coordinates: the whole volume swept on the straight path there. None if it
-        /// stays.
+        /// The point in voxel coordinates to which its centre moves on a straight path; the whole swept volume counts.
+        /// `None` if it stays.
         to_vx: Option<Vec3>,
     },
     /// Add, subtract or recolour the voxels inside a solid that is drawn.
@@ -118,7 +118,7 @@ pub enum Command {
     Fill {
         /// Which voxels.
         area: Area,
-        /// Colour of new voxels; none for the base colour.
+        /// Colour of new voxels; `None` for the base colour.
         colour: Option<Rgb>,
     },
     /// Remove every voxel of the area.
@@ -149,14 +149,13 @@ pub enum Command {
         /// How far colours of the patch may differ from the voxel's: a share of the range of each channel.
         tolerance: f32,
     },
-    /// Change which voxels are protected from all tools. An undo step, though it changes no voxel.
+    /// Change which voxels are protected from all tools. An undo step, although it changes no voxel.
     Mask(MaskChange),
-    /// Move and resize the marker. Like all commands about the selection it is no undo step, since it
-    /// changes no voxel.
+    /// Move and resize the marker. Like all commands for the selection, it changes no voxel and so is no undo step.
     Mark(VoxelBox),
     /// Change the stack of selected boxes.
     Select(SelectOp),
-    /// Limit all tools to the selection, or not.
+    /// Switch the limit of all tools to the selection on or off.
     Limit(bool),
     /// Allow or refuse steps that exceed the history's budget and so cannot be undone.
     Irreversible(bool),
@@ -180,7 +179,7 @@ pub enum Command {
         /// How the contents are turned or mirrored.
         orientation: Orientation,
     },
-    /// Repeat the last operation `count` times, each time further by `step` voxels.
+    /// Repeat the last operation `count` times, each time `step` voxels further on.
     Array {
         /// Number of copies.
         count: u32,
@@ -191,25 +190,25 @@ pub enum Command {
     Orient(Orientation),
     /// Make the sculpture fit for printing.
     Repair(Repair),
-    /// Show near voxels as cubes or as the smooth surface between them, and export them so. An undo step, though it
-    /// changes no voxel.
+    /// Show and export near voxels as cubes or as the smooth surface between them. An undo step, although it changes no
+    /// voxel.
     Surface(SurfaceKind),
     /// Undo the last `steps` steps, or all.
     Undo {
-        /// How many; none for all.
+        /// How many; `None` for all.
         steps: Option<u32>,
     },
     /// Redo the last `steps` undone steps, or all.
     Redo {
-        /// How many; none for all.
+        /// How many; `None` for all.
         steps: Option<u32>,
     },
-    /// Place the sculpture in the world. No undo step, since it changes no voxel.
+    /// Place the sculpture in the world. It changes no voxel and so is no undo step.
     Place(Placement),
 }
 
 impl Command {
-    /// The rest of an undo or redo of which `done` steps are done; none of other commands.
+    /// Returns the rest of an undo or redo after `done` steps; `None` for other commands.
     pub fn after_steps(&self, done: u32) -> Option<Command> {
         let left = |steps: Option<u32>| match steps {
             Some(steps) => (steps > done).then(|| Some(steps - done)),
@@ -222,12 +221,12 @@ impl Command {
         }
     }
 
-    /// Whether it uses a tool at one place, which an array can repeat.
+    /// Returns whether it uses a tool at one place, which an array can repeat.
     pub const fn is_tool_use(&self) -> bool {
         matches!(self.class(), CommandClass::Tool)
     }
 
-    /// The same use of a tool, moved by `step` voxels. None if the command does not use a tool.
+    /// Returns the same tool use, moved by `step` voxels; `None` if the command does not use a tool.
     pub(crate) fn shifted(&self, step: IVec3) -> Option<Command> {
         let by = step.as_vec3();
         let solid =
@@ -252,7 +251,7 @@ impl Command {
         })
     }
 
-    /// The image that it paints with.
+    /// Returns the image that it paints with.
     pub fn picture(&self) -> Option<&Path> {
         match self {
             Command::Texture { picture, .. } => Some(picture),
@@ -261,7 +260,7 @@ impl Command {
         }
     }
 
-    /// The same command with another name for its image.
+    /// Returns the same command with another name for its image.
     pub(crate) fn with_picture(mut self, name: PathBuf) -> Command {
         match &mut self {
             Command::Texture { picture, .. } => *picture = name,
@@ -271,7 +270,7 @@ impl Command {
         self
     }
 
-    /// The verb of the text form.
+    /// Returns the verb of the text form.
     pub fn verb(&self) -> &'static str {
         match self {
             Command::New(_) => "new",
@@ -313,7 +312,7 @@ impl Command {
         }
     }
 
-    /// Label of a step made by this command alone, for the history list.
+    /// Returns the label for the history list of a step made by this command alone.
     pub fn label(&self) -> String {
         match self {
             Command::Construct { primitive, .. } | Command::Texture { primitive, .. } => {

@@ -67,7 +67,7 @@ pub struct Document {
     timeline: Timeline,
     strokes: Strokes,
     placement: Placement,
-    /// The clipboard; it outlives the sculpture it was copied from.
+    /// The clipboard. It outlives the sculpture it was copied from.
     clip: Option<Arc<Clip>>,
     pictures: LoadedPictures,
     changes: Changes,
@@ -76,12 +76,12 @@ pub struct Document {
 }
 
 impl Document {
-    /// A document with a new sculpture and an empty history.
+    /// Creates a document with a new sculpture and an empty history.
     pub fn new(new: &NewSculpture, limits: Limits) -> Result<Document, CommandError> {
         Ok(Document::from_contents(make_contents(new, &limits)?, limits))
     }
 
-    /// A document with existing contents and an empty history.
+    /// Creates a document with existing contents and an empty history.
     pub fn from_contents(contents: Contents, limits: Limits) -> Document {
         Document {
             target: EditTarget::new(contents, limits),
@@ -95,11 +95,10 @@ impl Document {
         }
     }
 
-    /// A document that goes on where the snapshot was taken, and gives `store` the steps that memory has no room
-    /// for.
+    /// Creates a document that continues from a snapshot, and gives `store` the steps for which memory has no room.
     ///
     /// # Errors
-    /// If a setting is refused, as those of another document may be.
+    /// If a setting is refused, which can happen to settings of another document.
     pub fn restored(
         snapshot: DocumentSnapshot,
         limits: Limits,
@@ -108,47 +107,47 @@ impl Document {
         snapshot.into_document(limits, store)
     }
 
-    /// A snapshot; none while a stroke is open.
+    /// Returns a snapshot; `None` while a stroke is open.
     pub fn snapshot(&self) -> Option<DocumentSnapshot> {
         (!self.stroke_open()).then(|| DocumentSnapshot::of(self))
     }
 
-    /// The existence bits.
+    /// Returns the existence bits.
     pub fn grid(&self) -> &Grid {
         self.target.grid()
     }
 
-    /// The colours.
+    /// Returns the colours.
     pub fn material(&self) -> &Material {
         self.target.material()
     }
 
-    /// Bits and colours.
+    /// Returns bits and colours.
     pub fn contents(&self) -> &Contents {
         &self.target.contents
     }
 
-    /// A snapshot of the contents, for work on another thread.
+    /// Returns a snapshot of the contents, for work on another thread.
     pub fn share_contents(&self) -> Arc<Contents> {
         self.target.contents.clone()
     }
 
-    /// Where the sculpture stands in the world.
+    /// Returns where the sculpture stands in the world.
     pub fn placement(&self) -> &Placement {
         &self.placement
     }
 
-    /// The steps that can be undone and redone.
+    /// Returns the steps that can be undone and redone.
     pub fn history(&self) -> &History {
         self.timeline.history()
     }
 
-    /// Gives steps that memory has no room for to a store from now on, rather than drop them.
+    /// Moves steps for which memory has no room to a store from now on, instead of dropping them.
     pub fn use_step_store(&mut self, store: Arc<dyn StepStore>) {
         self.timeline.use_store(store);
     }
 
-    /// Lets the undo and redo steps take up to what `limits` allow, if that is more than they may take now.
+    /// Raises the budget of the undo and redo steps to what `limits` allow, if that is more than now.
     pub fn raise_history_budget(&mut self, limits: &Limits) {
         let own = &mut self.target.limits;
         own.history_bytes = own.history_bytes.max(limits.history_bytes);
@@ -156,47 +155,47 @@ impl Document {
         self.timeline.raise_budget(limits.history_bytes);
     }
 
-    /// The memory limits of the document.
+    /// Returns the memory limits of the document.
     pub fn limits(&self) -> &Limits {
         &self.target.limits
     }
 
-    /// Marker and selected boxes.
+    /// Returns the marker and the selected boxes.
     pub fn selection(&self) -> &Selection {
         &self.target.selection
     }
 
-    /// The mirror planes in use.
+    /// Returns the mirror planes in use.
     pub fn symmetry(&self) -> Symmetry {
         self.target.symmetry
     }
 
-    /// The images of tools by the symmetry in use, the identity first.
+    /// Returns the images of tools under the present symmetry, the identity first.
     pub fn images(&self) -> Vec<SymmetryTransform> {
         self.target.images()
     }
 
-    /// The voxels that are protected, if any are.
+    /// Returns the protected voxels, if there are any.
     pub fn mask(&self) -> Option<&Grid> {
         self.target.mask()
     }
 
-    /// The clipboard.
+    /// Returns the clipboard.
     pub fn clip(&self) -> Option<&Clip> {
         self.clip.as_deref()
     }
 
-    /// Whether `array` has an operation to repeat.
+    /// Returns whether `array` has an operation to repeat.
     pub fn can_repeat(&self) -> bool {
         !self.strokes.last_uses().is_empty()
     }
 
-    /// The images that `array` needs.
+    /// Returns the images that `array` needs.
     pub fn pictures_to_repeat(&self) -> impl Iterator<Item = &Path> {
         self.strokes.last_uses().iter().filter_map(Command::picture)
     }
 
-    /// Whether an image of this name is loaded.
+    /// Returns whether an image of this name is loaded.
     pub fn has_picture(&self, name: &Path) -> bool {
         self.pictures.has(name)
     }
@@ -211,40 +210,41 @@ impl Document {
         self.pictures.learn(name, picture);
     }
 
-    /// Whether a stroke has begun and not ended.
+    /// Returns whether a stroke is open.
     pub fn stroke_open(&self) -> bool {
         self.strokes.is_open()
     }
 
-    /// The surface on which uses of a brush with [`BrushSurface::Stroke`](crate::tools::brush::BrushSurface::Stroke)
-    /// work: as it was when the stroke began.
+    /// Returns the surface that uses of a brush with
+    /// [`BrushSurface::Stroke`](crate::tools::brush::BrushSurface::Stroke) work on: the surface at the beginning of the
+    /// stroke.
     pub fn stroke_surface(&self) -> &Grid {
         self.strokes.surface().unwrap_or(self.grid())
     }
 
-    /// Rises with every change of voxels or colours.
+    /// Returns a number that rises with every change of voxels or colours.
     pub fn revision(&self) -> u64 {
         self.target.revision
     }
 
-    /// Identifies the current state; undo and redo restore the identifier, too.
+    /// Returns the identifier of the current state. Undo and redo restore it, too.
     pub fn state(&self) -> State {
         self.timeline.state()
     }
 
-    /// The map from grid coordinates (voxels) to world units.
+    /// Returns the map from grid coordinates (voxels) to world units.
     pub fn world_from_grid(&self) -> Affine3A {
         self.placement.world_from_grid(self.grid().dims(), self.grid().voxel_size())
     }
 
-    /// Calls `f` with the contents and the bricks that changed since the last call, as rising linear
-    /// indices. `None` means all bricks: the sculpture was replaced, perhaps by one of another size.
+    /// Calls `f` with the contents and the bricks changed since the last call, as rising linear indices. `None` means
+    /// all bricks: the sculpture was replaced, perhaps by one of another size.
     pub fn drain_changes<T>(&mut self, f: impl FnOnce(&Contents, Option<&[u32]>) -> T) -> T {
         let unnamed = self.unnamed.clone();
         self.drain_changes_for(&unnamed, f)
     }
 
-    /// [`Document::drain_changes`] for one of several subscribers, each with its own last call.
+    /// As [`Document::drain_changes`], for one of several subscribers. Each has its own last call.
     pub fn drain_changes_for<T>(
         &mut self,
         subscriber: &ChangeSubscriber,
@@ -255,15 +255,15 @@ impl Document {
         f(&self.target.contents, self.changes.drain(subscriber, bricks))
     }
 
-    /// Goes on with the steps that another document had around the same contents, in the state `was`, on top of its
-    /// own; there must be none to redo. All their states become states of this document. Returns what has become of
-    /// each sculpture.
+    /// Puts the steps that another document had around the same contents, in the state `was`, on top of the steps of
+    /// this document, which must have none to redo. All states of the other document become states of this one. Returns
+    /// the new number of each sculpture.
     pub fn adopt_history(&mut self, kept: HistorySnapshot, was: State) -> HashMap<u64, u64> {
         self.timeline.adopt(kept, was)
     }
 }
 
-/// The contents that [`Command::New`] asks for, for [`Document::replace`].
+/// Creates the contents that [`Command::New`] describes, for [`Document::replace`].
 pub fn make_contents(new: &NewSculpture, limits: &Limits) -> Result<Contents, CommandError> {
     let mut grid = Grid::new(new.dims, new.voxel_size, limits.grid_bytes)?;
     if new.solid {

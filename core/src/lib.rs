@@ -39,10 +39,10 @@ pub mod view;
 #[doc(hidden)]
 pub mod voxelise;
 
-// Vectors and matrices of the interface: a caller needs this version of them.
+// The vector and matrix types of the interface: callers need this version of them.
 pub use glam;
 
-// A sculpture, and what it is made of.
+// A sculpture and its parts.
 #[doc(inline)]
 pub use document::{Applied, CommandError, Document};
 #[doc(inline)]
@@ -56,7 +56,7 @@ pub use sculpture::region::VoxelBox;
 #[doc(inline)]
 pub use sculpture::{ColourDepth, Digest, Grid, GridError, Limits, Material, Placement, Rgb};
 
-// Errors that all modules share, and those of work that a document or a session does for its caller.
+// Errors that all modules share, and errors of work that a document or a session runs for its caller.
 #[doc(inline)]
 pub use persist::journal::JournalError;
 #[doc(inline)]

@@ -1,6 +1,6 @@
-//! The two refusals that all rooms share: a value that breaks a rule, and work that needs more memory than is allowed.
+//! The two errors that all modules share: a value that breaks a rule, and work that needs more memory than is allowed.
 //!
-//! Takes names, rules and numbers; gives errors with a message for users. Knows no sculpture, no setting and no flag.
+//! Takes names, rules and numbers; returns errors with a message for users. Knows no sculpture, no setting and no flag.
 
 use std::borrow::Cow;
 use std::fmt::{self, Display};
@@ -10,18 +10,18 @@ use thiserror::Error;
 /// A value that breaks the rule of its field.
 #[derive(Clone, PartialEq, Eq, Debug, Error)]
 pub struct InvalidValue {
-    /// The thing whose field it is, such as `brush`; none where the name of the field says it.
+    /// The owner of the field, such as `brush`; `None` where the field's name suffices.
     pub owner: Option<&'static str>,
     /// The field, such as `reach`.
     pub field: &'static str,
-    /// Goes on after the name of the field: `must be from 0 to 64`.
+    /// Continues the message after the field's name: `must be from 0 to 64`.
     pub rule: Cow<'static, str>,
-    /// The refused value as text; none if it is missing, or too long to show.
+    /// The refused value as text; `None` if it is missing or too long to show.
     pub value: Option<String>,
 }
 
 impl InvalidValue {
-    /// A value of `field` that breaks `rule`.
+    /// Returns an error for a value of `field` that breaks `rule`.
     pub fn new(
         field: &'static str,
         rule: impl Into<Cow<'static, str>>,
@@ -31,17 +31,17 @@ impl InvalidValue {
         InvalidValue { owner: None, field, rule: rule.into(), value }
     }
 
-    /// A field without a value that can be shown, which breaks `rule`.
+    /// Returns an error for a field that breaks `rule` and has no value to show.
     pub fn without_value(field: &'static str, rule: impl Into<Cow<'static, str>>) -> InvalidValue {
         InvalidValue { owner: None, field, rule: rule.into(), value: None }
     }
 
-    /// The same, of a field of `owner`.
+    /// Returns the same error for a field of `owner`.
     pub fn of(self, owner: &'static str) -> InvalidValue {
         InvalidValue { owner: Some(owner), ..self }
     }
 
-    /// An error if `is_valid` does not hold.
+    /// Returns an error unless `is_valid` holds.
     pub fn check(
         is_valid: bool,
         field: &'static str,
@@ -51,7 +51,7 @@ impl InvalidValue {
         if is_valid { Ok(()) } else { Err(InvalidValue::new(field, rule, value)) }
     }
 
-    /// An error if a number is not a share.
+    /// Returns an error if a number is not a share.
     pub fn check_share(field: &'static str, share: f32) -> Result<(), InvalidValue> {
         let is_share = (0.0..=1.0).contains(&share);
         InvalidValue::check(is_share, field, "must be a share from 0 to 1", share)
@@ -72,34 +72,34 @@ impl Display for InvalidValue {
     }
 }
 
-/// The memory that a limit is for.
+/// The memory that a limit restricts.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum MemoryBudget {
-    /// That of grids: `grid_bytes` of [`crate::sculpture::Limits`].
+    /// The memory of grids: `grid_bytes` of [`crate::sculpture::Limits`].
     Grids,
-    /// That of colours: `colour_bytes` of them.
+    /// The memory of colours: `colour_bytes` of these limits.
     Colours,
     /// Both together.
     GridsAndColours,
 }
 
-/// Work that needs more memory than its budget has. Nothing was allocated.
+/// An error for work that needs more memory than its budget has. Nothing was allocated.
 #[derive(Clone, PartialEq, Eq, Debug, Error)]
 pub struct OverBudget {
-    /// Begins the message, with its verb: `the mesh needs at least`.
+    /// The beginning of the message, with its verb: `the mesh needs at least`.
     pub what: Cow<'static, str>,
-    /// MiB needed, as far as that is known.
+    /// MiB needed, as far as known.
     pub needed_mib: u64,
     /// MiB allowed.
     pub budget_mib: u64,
     /// The budget that was too small.
     pub budget: MemoryBudget,
-    /// A way out that needs no larger budget; none if there is none.
+    /// A remedy that needs no larger budget, if there is one.
     pub advice: Option<Cow<'static, str>>,
 }
 
 impl OverBudget {
-    /// Work that needs `needed` bytes.
+    /// Returns an error for work that needs `needed` bytes.
     pub fn new(
         what: impl Into<Cow<'static, str>>,
         needed: u64,
@@ -115,7 +115,7 @@ impl OverBudget {
         }
     }
 
-    /// An error if `needed` bytes are more than `budget_bytes`.
+    /// Returns an error if `needed` bytes are more than `budget_bytes`.
     pub fn check(
         what: impl Into<Cow<'static, str>>,
         needed: u64,
@@ -128,7 +128,7 @@ impl OverBudget {
         }
     }
 
-    /// The same with another way out.
+    /// Returns the same error with another remedy.
     pub fn advise(self, advice: impl Into<Cow<'static, str>>) -> OverBudget {
         OverBudget { advice: Some(advice.into()), ..self }
     }

@@ -1,8 +1,8 @@
-//! A session: a document, its files, its journal and perhaps a recording. Executes every [`Command`]: those that concern files
+//! A session: a document, its files, its journal and perhaps a recording. Executes every [`Command`]: those for files
 //! itself, the others through [`Document::apply`].
 //!
-//! Windows, headless jobs and scripts all use [`Session::execute`], so that everything a user does can be
-//! recorded and replayed. Knows no screen.
+//! Windows, headless jobs and scripts all use [`Session::execute`], so that every action of a user can be recorded and
+//! replayed. Knows no screen.
 
 mod access;
 mod error;
@@ -61,27 +61,27 @@ pub struct Session {
     /// The command that reproduces the sculpture at the session's start.
     beginning: Command,
     recording: Option<ScriptRecording>,
-    /// Why the recording has ended.
+    /// The reason why the recording has ended.
     journal_error: Option<SessionError>,
     journal: Option<JournalKeeper>,
-    /// The undo histories on the disk.
+    /// The undo histories on disk.
     histories: Histories,
-    /// The data kept of the last mesh that was written.
+    /// Data kept from the mesh written last.
     meshes: Option<KeptMeshes>,
     pictures: Pictures,
-    /// Files whose content is given by commands.
+    /// Files whose content commands have given.
     embedded: HashMap<PathBuf, Arc<[u8]>>,
-    /// Notes on what reading the last file left out, for the user.
+    /// Notes for the user on what was left out when the last file was read.
     notes: Vec<String>,
 }
 
 impl Session {
-    /// A session with a new sculpture.
+    /// Creates a session with a new sculpture.
     pub fn new(new: &NewSculpture, limits: Limits) -> Result<Session, SessionError> {
         Ok(Session::with_document(Document::new(new, limits)?, Command::New(*new)))
     }
 
-    /// A session with the contents of a file.
+    /// Creates a session with the contents of a file.
     pub fn open(
         path: &Path,
         import: &ImportOptions,
@@ -121,48 +121,48 @@ impl Session {
         }
     }
 
-    /// Keeps the mesh of an export, within a share of the memory for meshes, so that the next one of the same kind
-    /// makes anew only what has changed.
+    /// Keeps the mesh of an export, within a share of the memory for meshes. The next mesh of the same kind then
+    /// recomputes only what has changed.
     pub fn keep_meshes(&mut self) {
         self.meshes = Some(KeptMeshes::default());
     }
 
-    /// Another sculpture takes the place of the present one.
+    /// Drops the kept mesh: another sculpture replaces the present one.
     fn forget_mesh(&self) {
         if let Some(meshes) = &self.meshes {
             meshes.clear();
         }
     }
 
-    /// The document.
+    /// Returns the document.
     pub fn document(&self) -> &Document {
         &self.document
     }
 
-    /// The document, for a renderer that drains its changes.
+    /// Returns the document mutably, for a renderer that drains its changes.
     pub fn document_mut(&mut self) -> &mut Document {
         &mut self.document
     }
 
-    /// The file that the sculpture was opened from or last saved to. It belongs to the sculpture: undo
-    /// and redo past `new` and `open` restore the other's.
+    /// Returns the file that the sculpture was opened from or last saved to. It belongs to the sculpture: undo and redo
+    /// past `new` and `open` restore the file of the other sculpture.
     pub fn path(&self) -> Option<&Path> {
         self.files.path(self.document.state())
     }
 
-    /// The axis that was taken for the one that points up when the sculpture was read, while it is
-    /// as it was read. None where the file says so itself.
+    /// Returns the axis that was assumed to point up when the sculpture was read, as long as the sculpture is
+    /// unchanged. `None` if the file states it.
     pub fn assumed_up(&self) -> Option<Up> {
         self.files.assumed_up(self.document.state())
     }
 
-    /// Whether the sculpture has unsaved changes.
+    /// Returns whether the sculpture has unsaved changes.
     pub fn modified(&self) -> bool {
         !self.files.is_saved(self.document.state())
     }
 
-    /// Starts to record: writes every executed command to a script at `path`, after the one that
-    /// reproduces the session's start. A file that is not empty is refused.
+    /// Starts to record: writes every executed command to a script at `path`, after the command that reproduces the
+    /// session's start. Refuses a file that is not empty.
     pub fn record_to(&mut self, path: &Path) -> Result<(), SessionError> {
         if self.document.revision() > 0 {
             return Err(SessionError::JournalLate);
@@ -173,17 +173,17 @@ impl Session {
         Ok(())
     }
 
-    /// The script that is being recorded.
+    /// Returns the script that is being recorded.
     pub fn recording(&self) -> Option<&Path> {
         self.recording.as_ref().map(ScriptRecording::path)
     }
 
-    /// Notes on what reading the last file left out or interpreted otherwise, returned once.
+    /// Returns the notes on what was left out or reinterpreted when the last file was read, once.
     pub fn take_notes(&mut self) -> Vec<String> {
         std::mem::take(&mut self.notes)
     }
 
-    /// Why the recording has ended early, returned once. The sculpture is not affected.
+    /// Returns the reason why the recording has ended early, once. The sculpture is not affected.
     pub fn take_journal_error(&mut self) -> Option<SessionError> {
         self.journal_error.take()
     }
@@ -207,7 +207,7 @@ impl Session {
                     }
                 }
                 Err(error) if done.steps == 0 => return Err(error),
-                // Earlier steps stay undone; the caller learns of the rest.
+                // Steps done so far stay done; the caller learns their number.
                 Err(_) => return Ok(done),
             }
         }
@@ -222,7 +222,7 @@ impl Session {
             return self.complete(work.run(progress)?);
         }
         if let Command::Embed { path, file } = command {
-            // The journal has what is made of it, by content.
+            // The journal holds the results, by content.
             self.embedded.insert(path.clone(), file.clone());
             self.note(command, Applied::default());
             return Ok(Applied::default());
@@ -254,9 +254,9 @@ impl Session {
         Ok(())
     }
 
-    /// The long part of a command, to run separately. None for commands without one, which
-    /// [`Session::execute`] executes at once. Of an undo or redo it is that of the next step alone:
-    /// see [`Document::first_step`].
+    /// Returns the long part of a command, to run separately. `None` for commands without one, which
+    /// [`Session::execute`] executes at once. For an undo or redo, it is the long part of the next step alone: see
+    /// [`Document::first_step`].
     pub fn prepare(&mut self, command: &Command) -> Result<Option<Work>, SessionError> {
         let limits = *self.document.limits();
         if command.class() == CommandClass::Replace {
@@ -336,7 +336,7 @@ impl Session {
             Outcome::Repaired { repair, plan, state } if state == self.document.state() => {
                 applied = self.document.put_repaired(&plan, &repair, &command)?;
             }
-            // It was changed meanwhile.
+            // The document was changed meanwhile.
             Outcome::Oriented { .. } | Outcome::Repaired { .. } => {
                 applied = self.document.apply(&command)?
             }
@@ -352,7 +352,7 @@ impl Session {
                 self.files.opened(self.document.state(), path, texts, assumed_up);
                 self.go_on_with(history);
             }
-            // Volumes are for other programs: what they cannot hold would be lost.
+            // Volumes are for other programs and may not hold the whole sculpture.
             Outcome::Saved { path, notes, state, identity, history, lock } => {
                 self.on_disk.learn(&path, identity);
                 self.notes = notes;
@@ -390,8 +390,8 @@ impl Session {
         self.files.keep_only(self.document.history().states().chain([self.document.state()]));
     }
 
-    /// Writes an executed command to the recording. If that fails, the command still succeeds, and the
-    /// recording ends: with a gap it would replay something else.
+    /// Writes an executed command to the recording. If that fails, the command still succeeds and the recording ends:
+    /// with a gap, its replay would differ.
     fn note(&mut self, command: &Command, applied: Applied) {
         if self.recording.is_none() {
             return;
@@ -412,7 +412,7 @@ impl Session {
         });
     }
 
-    /// Goes on with the recording of another session, from what this one is now.
+    /// Continues the recording of another session from the present state of this one.
     pub fn continue_recording(&mut self, of: &mut Session) {
         if let Some(mut recording) = of.recording.take() {
             recording.fall_behind();
@@ -421,7 +421,7 @@ impl Session {
         }
     }
 
-    /// Writes all that the session is to the recording; within a stroke, what follows waits for its end.
+    /// Writes the whole state of the session to the recording. Within a stroke, this waits for its end.
     fn record_checkpoint(&mut self) {
         let Some(snapshot) = self.document.snapshot() else { return };
         let texts = self.files.texts(self.document.state());
@@ -429,7 +429,7 @@ impl Session {
         self.record(|recording| recording.write_checkpoint(&name, &snapshot, &texts));
     }
 
-    /// Writes the bytes of an image to the recording, unless it has them.
+    /// Writes the bytes of an image to the recording, unless it holds them already.
     fn record_picture(&mut self, path: &Path, file: &[u8]) {
         self.record(|recording| recording.write_picture(path, file));
     }

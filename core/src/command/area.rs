@@ -1,6 +1,6 @@
-//! Where commands about areas work, and what is done to the selection: the words that name them.
+//! The areas that commands work on, the operations on the selection, and their names.
 
-/// The voxels that a command about an area works on. The limit to the selection applies to all.
+/// The voxels that a command for an area works on. The limit to the selection applies to all areas.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub enum Area {
     /// All voxels of the grid.
@@ -16,7 +16,7 @@ impl Area {
     /// All areas, in the order in which interfaces offer them.
     pub const ALL: [Area; 3] = [Area::Grid, Area::Selection, Area::Marker];
 
-    /// Its name in the text form.
+    /// Returns its name in the text form.
     pub const fn name(self) -> &'static str {
         match self {
             Area::Grid => "grid",
@@ -44,7 +44,7 @@ impl SelectOp {
     pub const ALL: [SelectOp; 4] =
         [SelectOp::Add, SelectOp::Subtract, SelectOp::Drop, SelectOp::Clear];
 
-    /// Its name in the text form.
+    /// Returns its name in the text form.
     pub const fn name(self) -> &'static str {
         match self {
             SelectOp::Add => "add",

@@ -1,19 +1,19 @@
-//! The classes of commands: the one list of all commands by kind, which everything asks that treats kinds alike.
+//! The classes of commands: the only list of all commands by kind. All code that treats kinds alike asks it.
 //!
-//! Takes a command, gives its class; knows nothing of how commands are executed.
+//! Takes a command; returns its class. Knows nothing of how commands are executed.
 
 use super::Command;
 
-/// Commands of one kind: they change the same things in the same manner.
+/// A kind of commands: they change the same things in the same manner.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum CommandClass {
-    /// Puts another sculpture in place of the present one, as an undo step.
+    /// Replaces the sculpture with another one, as an undo step.
     Replace,
     /// Concerns files alone.
     File,
     /// Begins or finishes a stroke.
     Stroke,
-    /// Uses a tool at one place; an array can repeat that.
+    /// Uses a tool at one place, which an array can repeat.
     Tool,
     /// Changes the voxels or colours of an area, or of a patch of the surface.
     Area,
@@ -21,11 +21,11 @@ pub enum CommandClass {
     Mask,
     /// Changes voxels and, with them, the clipboard, the marker or the operation that an array repeats.
     Arrange,
-    /// Changes the sculpture as a whole, where it is.
+    /// Changes the sculpture as a whole, in place.
     Whole,
-    /// Lays the whole sculpture another way.
+    /// Reorients the whole sculpture.
     Orient,
-    /// Goes along the history.
+    /// Moves along the history.
     Travel,
     /// Fills the clipboard; changes nothing else.
     Copy,
@@ -34,7 +34,7 @@ pub enum CommandClass {
 }
 
 impl CommandClass {
-    /// Whether commands of the class change voxels, colours, mask or surface where they are, and do not go along the
+    /// Returns whether commands of the class change voxels, colours, mask or surface in place without moving along the
     /// history.
     pub const fn edits_in_place(self) -> bool {
         match self {
@@ -51,7 +51,7 @@ impl CommandClass {
 }
 
 impl Command {
-    /// The class of the command.
+    /// Returns the class of the command.
     pub const fn class(&self) -> CommandClass {
         match self {
             Command::New(_) | Command::Open { .. } => CommandClass::Replace,

@@ -1,5 +1,5 @@
-//! The table of all commands: verb, arguments and explanation of each, for menus, the palette and help. What brushes and
-//! solids take comes from their descriptions.
+//! The table of all commands: verb, arguments and explanation of each, for menus, the palette and help. The arguments
+//! of brushes and solids come from their descriptions.
 //!
 //! Knows no values of commands.
 
@@ -31,10 +31,10 @@ pub static COMMANDS: LazyLock<Vec<CommandHelp>> = LazyLock::new(|| {
     TABLE.iter().map(help).collect()
 });
 
-/// A word of the table and what it stands for in the row of a verb.
+/// A placeholder in the table, and the function that returns its text for the row of a verb.
 type Fill = (&'static str, fn(verb: &str) -> String);
 
-/// The words that stand for what descriptions say.
+/// The placeholders for texts from descriptions.
 const FILLS: &[Fill] = &[
     ("{brushes}", text::usage_of_brushes),
     ("{drawn usages}", |_| DrawnSolid::ALL.map(text::usage_of_drawn_solid).join(" | ")),
@@ -49,7 +49,7 @@ fn filled(text: &'static str, verb: &str) -> Cow<'static, str> {
     fills.fold(Cow::Borrowed(text), |text, (word, fill)| text.replace(word, &fill(verb)).into())
 }
 
-/// The names of drawn solids, whose arguments another row states.
+/// Returns the names of the drawn solids, whose arguments another row states.
 fn drawn_names(between: &str) -> String {
     DrawnSolid::ALL.map(|spec| format!("{} ...", spec.name)).join(between)
 }

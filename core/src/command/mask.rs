@@ -1,4 +1,4 @@
-//! Changes that commands make to the mask: the voxels that all tools leave alone.
+//! Changes that commands make to the mask, which protects voxels from all tools.
 
 use glam::{UVec3, Vec3};
 
@@ -12,39 +12,38 @@ use crate::tools::solid::Primitive;
 pub enum MaskChange {
     /// Nothing is protected any more.
     Clear,
-    /// Protected voxels become unprotected, and the other way round.
+    /// Protected voxels become unprotected, and vice versa.
     Invert,
-    /// Its outline moves outwards by so many voxels.
+    /// Its outline moves outwards by this many voxels.
     Grow(u32),
-    /// Its outline moves inwards by so many voxels.
+    /// Its outline moves inwards by this many voxels.
     Shrink(u32),
-    /// Its outline is evened by the majority of the cube that reaches so many voxels around each
-    /// voxel.
+    /// Its outline is smoothed: each voxel follows the majority of the cube that extends this many voxels around it.
     Smooth(u32),
-    /// Voxels are added to it, or taken out of it.
+    /// Voxels are added to it or removed from it.
     Put {
-        /// Added, or taken out.
+        /// Whether they are added.
         adds: bool,
-        /// Which.
+        /// The voxels.
         what: MaskArea,
     },
 }
 
-/// Voxels that are added to the mask or taken out of it.
+/// Voxels that are added to the mask or removed from it.
 #[derive(Clone, PartialEq, Debug)]
 pub enum MaskArea {
-    /// Those of an area, existing or not.
+    /// The voxels of an area, existing or not.
     Area(Area),
-    /// Those inside a solid, existing or not.
+    /// The voxels inside a solid, existing or not.
     Solid {
         /// The solid.
         primitive: Primitive,
-        /// Where its centre goes, as of [`Command::Construct`](super::Command::Construct).
+        /// The point to which its centre moves, as in [`Command::Construct`](super::Command::Construct).
         to_vx: Option<Vec3>,
     },
-    /// Those inside a solid that is drawn, existing or not.
+    /// The voxels inside a drawn solid, existing or not.
     DrawnSolid(DrawnSolid),
-    /// Existing ones of a colour.
+    /// Existing voxels of a colour.
     Colour {
         /// The colour.
         colour: Rgb,
@@ -53,21 +52,21 @@ pub enum MaskArea {
     },
     /// Cavities of the surface.
     Cavities {
-        /// How far around a voxel they are looked for.
+        /// The distance around a voxel that decides whether it lies in a cavity.
         reach_vx: u32,
-        /// How far from the surface voxels are protected with them.
+        /// The depth below the surface to which voxels are protected.
         depth_vx: u32,
     },
     /// A patch of the surface.
     Patch {
         /// A voxel of it.
         at: UVec3,
-        /// Which voxels belong to it.
+        /// The rule for its voxels.
         by: PatchRule,
-        /// How far from the surface voxels are protected with it.
+        /// The depth below the surface to which voxels are protected.
         depth_vx: u32,
     },
-    /// All that hangs together with a voxel.
+    /// All voxels connected to a voxel.
     Piece {
         /// The voxel.
         at: UVec3,
@@ -77,14 +76,14 @@ pub enum MaskArea {
 /// Rule for the voxels that belong to a patch of the surface.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum PatchRule {
-    /// Colours that differ from the first voxel's by at most a share of the range of each channel.
+    /// Colours that differ from the first voxel's by at most this share of the range of each channel.
     Colour(f32),
-    /// Normals that differ from the first voxel's by at most so many degrees.
+    /// Normals that differ from the first voxel's by at most this many degrees.
     Flat(f32),
 }
 
 impl MaskChange {
-    /// Its name in the text form.
+    /// Returns its name in the text form.
     pub const fn name(&self) -> &'static str {
         match self {
             MaskChange::Clear => "clear",
@@ -99,7 +98,7 @@ impl MaskChange {
 }
 
 impl MaskArea {
-    /// Its name in the text form.
+    /// Returns its name in the text form.
     pub const fn name(&self) -> &'static str {
         match self {
             MaskArea::Area(area) => area.name(),

@@ -1,8 +1,8 @@
 //! The text form of commands, one per line, and scripts of them.
 //!
-//! A line is a verb, then words, quoted strings and `key=value` pairs in any order. A line that is
-//! empty or begins with `#` is ignored. Quotes and escapes: `arguments`. Numbers are written such that
-//! they read back to the same bits. Works on text; reads no file.
+//! A line is a verb, then words, quoted strings and `key=value` pairs in any order. A line that is empty or begins with
+//! `#` is ignored. Quotes and escapes: `arguments`. Numbers are written such that reading them returns the same bits.
+//! Works on text; reads no file.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -34,7 +34,7 @@ pub use brush::usage_of as usage_of_brush;
 pub(super) use brush::{usage as usage_of_brushes, verb as verb_of_brush};
 pub use drawn_solid::usage as usage_of_drawn_solid;
 
-/// The base colour of new sculptures by default.
+/// The default base colour of new sculptures.
 pub const DEFAULT_BASE: Rgb = Rgb::STONE;
 
 /// The error in a line.
@@ -42,7 +42,7 @@ pub const DEFAULT_BASE: Rgb = Rgb::STONE;
 #[error("{0}")]
 pub struct ParseError(String);
 
-/// The error in a script, and its place.
+/// The error in a script, and its line.
 #[derive(Debug, Error, PartialEq, Eq)]
 #[error("line {line}: {error}")]
 pub struct ScriptError {
@@ -67,12 +67,12 @@ pub fn parse_script(text: &str) -> Result<Vec<(usize, Command)>, ScriptError> {
     Ok(commands)
 }
 
-/// The text form of a file name, whatever bytes it has: one word of a command.
+/// Returns the text form of a file name with any bytes: one word of a command.
 pub fn path_text(path: &Path) -> String {
     QuotedPath(path).to_string()
 }
 
-/// Reads what [`path_text`] has written.
+/// Reads the text form that [`path_text`] writes.
 pub(crate) fn parse_path(text: &str) -> Result<PathBuf, ParseError> {
     let mut args = Arguments::parse(&format!("open {text}"))?;
     let path = args.path()?;
@@ -265,7 +265,7 @@ fn parse_new(args: &mut Arguments) -> Result<NewSculpture, ParseError> {
     })
 }
 
-/// Which of two words is given; the first, which is the default, for false.
+/// Reads which of two words is given. Returns false for the first, which is the default.
 fn choice(args: &mut Arguments, key: &str, words: [&str; 2]) -> Result<bool, ParseError> {
     let parse = |text: &str| match words.iter().position(|word| *word == text) {
         Some(place) => Ok(place == 1),
@@ -279,7 +279,7 @@ fn parse_primitive(args: &mut Arguments) -> Result<Primitive, ParseError> {
     parse_placed(&name, args, Solid::names())
 }
 
-/// Reads what follows the name of a solid, which is one of `names`.
+/// Reads the arguments after the name of a solid, which is one of `names`.
 fn parse_placed(name: &str, args: &mut Arguments, names: &str) -> Result<Primitive, ParseError> {
     let solid = Solid::named(name)
         .ok_or_else(|| ParseError(format!("`{name}` is not a solid; use {names}")))?;
@@ -294,13 +294,13 @@ fn parse_placed(name: &str, args: &mut Arguments, names: &str) -> Result<Primiti
     })
 }
 
-/// The names of all solids, in a box and drawn, for messages.
+/// Returns the names of all solids, in a box and drawn, for messages.
 fn solid_names() -> String {
     let names = Solid::ALL.iter().map(|solid| solid.name());
     alternatives(names.chain(DrawnSolid::ALL.iter().map(|spec| spec.name)))
 }
 
-/// Separated by commas, `or` before the last.
+/// Joins names with commas, and `or` before the last.
 pub(super) fn alternatives(names: impl Iterator<Item = &'static str>) -> String {
     let names: Vec<&str> = names.collect();
     match names.split_last() {
@@ -327,7 +327,7 @@ fn parse_construct(verb: &str, args: &mut Arguments) -> Result<Command, ParseErr
     Ok(Command::Construct { op: op(args)?, primitive, to_vx })
 }
 
-/// Reads what follows the name of a solid that may sweep.
+/// Reads the arguments after the name of a solid that may sweep.
 fn parse_swept(
     name: &str,
     args: &mut Arguments,
@@ -346,7 +346,7 @@ fn parse_steps(args: &mut Arguments) -> Result<Option<u32>, ParseError> {
     }
 }
 
-/// Three angles in degrees about x, then y, then z; or a quaternion x, y, z, w.
+/// Reads three angles in degrees about x, then y, then z; or a quaternion x, y, z, w.
 fn parse_rotation(text: &str) -> Result<Quat, String> {
     if let Ok(degrees) = numbers::<f32, 3>(text) {
         let [x, y, z] = degrees.map(f32::to_radians);
@@ -355,10 +355,10 @@ fn parse_rotation(text: &str) -> Result<Quat, String> {
     let quat = numbers::<f32, 4>(text).map(Quat::from_array).map_err(|_| {
         "must be three angles in degrees or a quaternion of four numbers".to_string()
     })?;
-    // A printed rotation is kept to the bit; a typed one is normalised.
+    // The bits of a written rotation are kept; a typed one is normalised.
     match quat.is_normalized() {
         true => Ok(quat),
-        // Squares of large numbers overflow single precision.
+        // Squares of large numbers overflow in single precision.
         false if quat.as_dquat().length_squared() > 1e-12 => {
             Ok(quat.as_dquat().normalize().as_quat())
         }

@@ -1,7 +1,7 @@
-//! Carries out commands: finds who edits the target, and makes undo steps of what has changed. Commands that take long
-//! are carried out in parts: checked here, computed elsewhere, put in place here.
+//! Executes commands: calls the module that edits the target, and turns the changes into undo steps. Long commands run
+//! in parts: they are checked here, computed elsewhere, and completed here.
 //!
-//! Takes a command, gives its effect. A refused command changes nothing.
+//! Takes a command; returns its effect. A refused command changes nothing.
 
 use std::sync::Arc;
 
@@ -19,8 +19,8 @@ use crate::sculpture::history::{Contents, StepChange, SurfaceKind};
 use crate::sculpture::orientation::Orientation;
 use crate::tools::repair::{Repair, RepairPlan};
 
-/// How much has changed so far. A refused command and a trial put it back: so copies elsewhere stay current, and a
-/// replay of the commands that were done counts the same states.
+/// Counters of changes. A refused command and a trial restore them: copies elsewhere then stay current, and a replay of
+/// the executed commands counts the same states.
 #[derive(Clone, Copy)]
 pub(super) struct Counts {
     revision: u64,
@@ -90,7 +90,7 @@ impl Document {
         }
     }
 
-    /// Replaces the sculpture by a loaded one, as one undo step.
+    /// Replaces the sculpture with a loaded one, as one undo step.
     pub fn replace(&mut self, contents: Contents, label: &str) -> Result<(), CommandError> {
         self.require_no_stroke("open")?;
         self.require_room_for_whole(label)?;
@@ -101,12 +101,12 @@ impl Document {
         Ok(())
     }
 
-    /// An error if a stroke is open. `verb` is the refused command's.
+    /// Returns an error if a stroke is open. `verb`: of the refused command.
     pub fn require_no_stroke(&self, verb: &'static str) -> Result<(), CommandError> {
         if self.stroke_open() { Err(CommandError::StrokeOpen(verb)) } else { Ok(()) }
     }
 
-    /// An error if the history cannot keep the whole sculpture, to replace it, and that is not allowed.
+    /// Returns an error if the history has no room for the whole sculpture and irreversible steps are not allowed.
     pub fn require_room_for_whole(&self, label: &str) -> Result<(), CommandError> {
         self.timeline.require_room(label, self.target.contents.kept_bytes())
     }
@@ -145,13 +145,13 @@ impl Document {
         Counts { revision: self.target.revision, states: self.timeline.states }
     }
 
-    /// Counts as if what has been taken back had not been tried.
+    /// Restores the counters, as if the reverted edits had not been tried.
     pub(super) fn return_to(&mut self, counts: Counts) {
         let Counts { revision, states } = counts;
         (self.target.revision, self.timeline.states) = (revision, states);
     }
 
-    /// Edits the target as a command wants it.
+    /// Edits the target as a command specifies.
     fn edit(
         &mut self,
         command: &Command,
@@ -161,8 +161,7 @@ impl Document {
         self.applied(stats, command)
     }
 
-    /// Finishes edits: unless a stroke is open, they become a step. They are reverted if the history
-    /// cannot keep it.
+    /// Finishes edits: unless a stroke is open, they become a step. Reverts them if the history cannot keep that step.
     fn applied(&mut self, stats: EditStats, command: &Command) -> Result<Applied, CommandError> {
         let applied = Applied { stats, steps: 0 };
         if stats.bricks_changed == 0 {
@@ -212,7 +211,7 @@ impl Document {
         Ok(applied)
     }
 
-    /// Repeats the last operation, each time further; all copies together become the last operation.
+    /// Repeats the last operation, each time further on. All copies together become the last operation.
     fn array(
         &mut self,
         count: u32,
@@ -249,7 +248,7 @@ impl Document {
         Ok(applied)
     }
 
-    /// Turns the marker's contents about their centre and moves them, with the marker.
+    /// Rotates the marker's contents about their centre and moves them, with the marker.
     fn move_marked(
         &mut self,
         by: IVec3,
@@ -265,7 +264,7 @@ impl Document {
         applied
     }
 
-    /// Carries out a command that sets how and where tools work, the placement, or what the history allows.
+    /// Executes a command that sets how and where tools work, the placement, or what the history allows.
     fn set(&mut self, command: &Command) -> Result<(), CommandError> {
         match command {
             Command::Mark(marker) => {
@@ -303,7 +302,7 @@ impl Document {
         }
     }
 
-    /// Lays the sculpture another way, as one undo step. Upright is how it is: no step.
+    /// Reorients the sculpture as one undo step. The identity is no step.
     fn orient(
         &mut self,
         orientation: Orientation,
@@ -316,15 +315,15 @@ impl Document {
         Ok(Applied::default())
     }
 
-    /// Refuses to lay the sculpture another way within a stroke, or where the history cannot
-    /// keep what leads back, unless that is wanted.
+    /// Returns an error if the sculpture cannot be reoriented: within a stroke, or if the history cannot keep the
+    /// reverse step and irreversible steps are not allowed.
     pub fn require_can_orient(&self, orientation: Orientation) -> Result<(), CommandError> {
         self.require_no_stroke("orient")?;
         let bytes = orient::bytes_to_undo(&self.target.contents, orientation);
         self.timeline.require_room("orient", bytes)
     }
 
-    /// Puts the contents laid another way in their place.
+    /// Replaces the contents with their reoriented copy.
     pub fn put_oriented(
         &mut self,
         contents: Contents,
@@ -347,8 +346,8 @@ impl Document {
         Ok(())
     }
 
-    /// Removes and adds the voxels of a plan that was made of the present contents. Thickened walls take the colours
-    /// around them, fillings of cavities the base colour.
+    /// Removes and adds the voxels of a plan made from the present contents. Thickened walls take the colours around
+    /// them, filled cavities the base colour.
     pub fn put_repaired(
         &mut self,
         plan: &RepairPlan,
@@ -358,7 +357,7 @@ impl Document {
         self.edit(command, |target| repair::carry_out(target, plan, repair))
     }
 
-    /// Shows another kind of surface, as one undo step.
+    /// Selects the kind of surface, as one undo step.
     fn show_surface(
         &mut self,
         kind: SurfaceKind,
@@ -374,15 +373,15 @@ impl Document {
         Ok(Applied::default())
     }
 
-    /// The part of an undo or redo that is carried out in one go: the steps before one for which the
-    /// history keeps no values, so that the sculpture must be laid another way, or that step alone.
-    /// Other commands are a whole.
+    /// Returns the part of an undo or redo that is executed in one go. It ends before a step for which the history
+    /// keeps no values, so that the sculpture must be reoriented; such a step is a part of its own. Other commands are
+    /// returned whole.
     pub fn first_step(&self, command: &Command) -> Command {
         self.timeline.first_step(command)
     }
 
-    /// How the next step of an undo or redo lays the sculpture, if that must be computed. Refused where
-    /// the command would be.
+    /// Returns the orientation that the next step of an undo or redo applies, if its contents must be computed. Returns
+    /// an error where the command would.
     pub fn next_orientation(&self, command: &Command) -> Result<Option<Orientation>, CommandError> {
         let Some((0, step, orientation)) = self.timeline.next_computed(command) else {
             return Ok(None);
@@ -394,7 +393,7 @@ impl Document {
         Ok(Some(orientation))
     }
 
-    /// Carries out the next step of an undo or redo with the contents that were computed for it.
+    /// Executes the next step of an undo or redo with the contents computed for it.
     pub fn travel_oriented(
         &mut self,
         command: &Command,
@@ -407,7 +406,7 @@ impl Document {
         self.travel(direction, Some(1), Some(contents))
     }
 
-    /// Goes along the history. `oriented`: the contents that the first step leads to, if they were computed before.
+    /// Moves along the history. `oriented`: the contents after the first step, if they were computed before.
     fn travel(
         &mut self,
         direction: Direction,
@@ -421,7 +420,7 @@ impl Document {
                 Ok(true) => done += 1,
                 Ok(false) => break,
                 Err(error) if done == 0 => return Err(error),
-                // Earlier steps stay undone; the caller learns of the rest.
+                // Steps done so far stay done; the caller learns their number.
                 Err(_) => break,
             }
         }

@@ -1,6 +1,6 @@
 //! Edits areas: fills, clears, dyes and tints them, and floods patches of one colour.
 //!
-//! Takes the target and an area; gives counts of what changed. Memory is checked before the first change.
+//! Takes the target and an area; returns counts of changes. Memory is checked before the first change.
 
 use glam::UVec3;
 
@@ -67,7 +67,7 @@ fn tint_region(
     Ok(target.paint(region, |v, now| tinter.colour(v, now)))
 }
 
-/// Recolours the patch of one colour on the surface around a voxel, and those around its mirror images.
+/// Recolours the patch of one colour on the surface around a voxel, and the patches around its mirror images.
 pub(super) fn flood(
     target: &mut EditTarget,
     at: UVec3,

@@ -1,7 +1,6 @@
-//! Carries out uses of brushes: the changes that a brush's file describes, limited to the selection and kept off the
-//! mask.
+//! Applies brushes: makes the changes that a brush's file describes, limited to the selection and outside the mask.
 //!
-//! As all tools it changes voxels through [`EditTarget::edit`] and [`EditTarget::paint`] alone.
+//! Like all tools, it changes voxels only through [`EditTarget::edit`] and [`EditTarget::paint`].
 
 use super::CommandError;
 use super::edit_target::EditTarget;
@@ -14,7 +13,7 @@ use crate::tools::brush::change::{BrushChange, NewClay, Paint, Site};
 use crate::tools::brush::spec::BrushGroup;
 use crate::tools::brush::{BrushSurface, BrushUse};
 
-/// Uses a brush and its mirror images, all at once; in place of the stroke so far if the brush works so.
+/// Applies a brush and its mirror images together. Replaces the stroke so far if the brush works that way.
 pub(super) fn use_brush(
     target: &mut EditTarget,
     strokes: &mut Strokes,
@@ -106,7 +105,7 @@ fn change_of(
     Ok(BrushChange::of(used, &site)?)
 }
 
-/// The colours that voxels to be added take from those around them.
+/// Returns the colours that added voxels take from the voxels around them.
 fn inherited(target: &EditTarget, add: &ListedBricks) -> Inherited {
     if add.bricks().is_empty() {
         return Inherited::default();

@@ -1,8 +1,8 @@
-//! Distributes the changed bricks of a document to its subscribers: each drains every change once, at
-//! its own time. A window and a headset, for instance, draw the same sculpture on devices of their own.
+//! Distributes the changed bricks of a document to its subscribers. Each drains every change once, at its own time. A
+//! window and a headset, for instance, draw the same sculpture on devices of their own.
 //!
-//! Published are sets of linear brick indices, drained are rising lists of them. Knows no grid beyond
-//! its number of bricks.
+//! Takes sets of linear brick indices; returns rising lists of them. Knows nothing of the grid but its number of
+//! bricks.
 
 use std::sync::{Arc, Weak};
 
@@ -17,7 +17,7 @@ pub struct ChangeSubscriber(Arc<()>);
 #[derive(Debug)]
 struct Pending {
     subscriber: Weak<()>,
-    /// Changed bricks; meaningless while `all`.
+    /// Changed bricks; meaningless if `all` is set.
     bricks: BrickSet,
     all: bool,
 }
@@ -26,13 +26,13 @@ struct Pending {
 #[derive(Debug, Default)]
 pub(super) struct Changes {
     pending: Vec<Pending>,
-    /// The bricks drained last, kept for their memory.
+    /// The bricks drained last, kept to reuse the allocation.
     drained: Vec<u32>,
 }
 
 impl Changes {
-    /// Adds changes to the pending ones of every subscriber, in a grid of `brick_count` bricks: those of `bricks`,
-    /// which is emptied, or, with `all`, all bricks of a grid perhaps of another size.
+    /// Adds changes to the pending ones of every subscriber, in a grid of `brick_count` bricks. These are the bricks in
+    /// `bricks`, which is emptied, or, with `all`, all bricks of a grid that may have another size.
     pub fn publish(&mut self, bricks: &mut BrickSet, all: bool, brick_count: usize) {
         self.pending.retain(|pending| pending.subscriber.strong_count() > 0);
         if all {
@@ -47,8 +47,8 @@ impl Changes {
         bricks.clear();
     }
 
-    /// Returns the changes published since `subscriber` last drained, as rising linear indices. None means all bricks,
-    /// as for a new subscriber.
+    /// Returns the changes published since `subscriber` last drained, as rising linear indices. `None` means all
+    /// bricks, as for a new subscriber.
     pub fn drain(&mut self, subscriber: &ChangeSubscriber, brick_count: usize) -> Option<&[u32]> {
         let subscriber = Arc::downgrade(&subscriber.0);
         let known = |pending: &&mut Pending| pending.subscriber.ptr_eq(&subscriber);
@@ -87,7 +87,7 @@ mod tests {
         assert_eq!(changes.drain(&headset.clone(), 500), Some(&[1, 2, 499][..]));
         assert_eq!(changes.drain(&headset, 500), Some(&[][..]));
         assert_eq!(changes.drain(&window, 500), Some(&[1, 2, 499][..]));
-        // Another grid: pending changes of the old one no longer matter.
+        // In another grid, pending changes of the old one no longer matter.
         changes.publish(&mut set(&[]), true, 8);
         assert_eq!(changes.drain(&window, 8), None);
         assert_eq!(changes.drain(&window, 8), Some(&[][..]));

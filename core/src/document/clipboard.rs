@@ -1,6 +1,6 @@
 //! Copies, cuts and moves the marker's contents, and pastes a clip.
 //!
-//! Takes the target and a clip. Memory is checked before the first change. The clipboard itself is the document's.
+//! Takes the target and a clip. Memory is checked before the first change. The document owns the clipboard itself.
 
 use glam::{IVec3, UVec3};
 
@@ -15,7 +15,7 @@ use crate::sculpture::orientation::Orientation;
 use crate::sculpture::region::ListedBricks;
 use crate::sculpture::selection::{MARKER_LIMIT_VX, Selection};
 
-/// The marker's contents, to copy them.
+/// Returns a copy of the marker's contents.
 pub(super) fn copied(target: &EditTarget) -> Result<Clip, CommandError> {
     // Copying leaves masked voxels as they are, so the mask does not limit it.
     marked(target, EditScope { mask: None, ..target.scope() })
@@ -44,7 +44,7 @@ pub(super) fn paste(
     Ok(stats)
 }
 
-/// Turns the marker's contents about their centre and moves them, with the marker.
+/// Rotates the marker's contents about their centre and moves them, with the marker.
 pub(super) fn move_marked(
     target: &mut EditTarget,
     by: IVec3,
@@ -53,7 +53,7 @@ pub(super) fn move_marked(
     let clip = marked(target, target.scope())?;
     let from = target.selection.marker().min.max(IVec3::ZERO);
     let (size, turned) = (clip.size().as_ivec3(), orientation.size(clip.size()).as_ivec3());
-    // Rounded towards zero, so that turning there and back leads back.
+    // Rounded towards zero, so that a rotation and its inverse lead back.
     let to = from.saturating_add(by).saturating_add((size - turned) / 2);
     pasted(target, &clip, to, orientation)?;
     let marker = clip.bounds(to, orientation);
@@ -65,7 +65,7 @@ pub(super) fn move_marked(
     Ok(stats)
 }
 
-/// The marker's contents where they may be changed, or copied.
+/// Returns the marker's contents that may be changed or copied.
 fn marked(target: &EditTarget, scope: EditScope<'_>) -> Result<Clip, CommandError> {
     let clip = Clip::cut(
         &target.contents,
@@ -81,7 +81,7 @@ fn marked(target: &EditTarget, scope: EditScope<'_>) -> Result<Clip, CommandErro
     clip.filter(|clip| clip.voxel_count() > 0).ok_or(CommandError::NothingMarked(why))
 }
 
-/// The voxels that a clip would fill; an error if memory does not suffice for their colours.
+/// Returns the voxels that a clip would fill; an error if memory does not suffice for their colours.
 fn pasted(
     target: &EditTarget,
     clip: &Clip,
@@ -100,7 +100,7 @@ fn pasted(
     Ok(voxels)
 }
 
-/// Splits voxels into those that exist and those that do not.
+/// Splits voxels into existing and missing ones.
 fn parted(target: &EditTarget, voxels: &ListedBricks) -> (ListedBricks, ListedBricks) {
     let grid = target.grid();
     let part = |keep: fn(&Brick, &Brick) -> Brick| {

@@ -1,8 +1,8 @@
-//! The contents that commands edit, with all that an edit obeys and leaves behind: selection, symmetry, mask and
+//! The contents that commands edit, with the restrictions on an edit and its traces: selection, symmetry, mask and
 //! memory limits; the record of earlier values, the dirty bricks and the revision.
 //!
 //! All tools change voxels through [`EditTarget::edit`] and [`EditTarget::paint`], and the mask through
-//! [`EditTarget::edit_mask`]: these apply selection and mask. Takes regions and gives counts of what changed. Knows no
+//! [`EditTarget::edit_mask`]. These apply selection and mask. Takes regions; returns counts of changes. Knows no
 //! command, no stroke and no history.
 
 use std::sync::Arc;
@@ -28,12 +28,12 @@ mod swap;
 /// The contents that commands edit.
 #[derive(Debug)]
 pub(super) struct EditTarget {
-    /// Shared with a save in progress; an edit meanwhile is made on a copy ([`EditTarget::own_contents`]).
+    /// Shared with a save in progress; an edit during the save works on a copy ([`EditTarget::own_contents`]).
     pub contents: Arc<Contents>,
     pub selection: Selection,
     pub symmetry: Symmetry,
     pub limits: Limits,
-    /// Rises with every change of voxels; a cheap "is my copy current?".
+    /// Rises with every change of voxels: a cheap test whether a copy is current.
     pub revision: u64,
     recorder: StrokeRecorder,
     dirty: BrickSet,
@@ -42,7 +42,7 @@ pub(super) struct EditTarget {
 }
 
 impl EditTarget {
-    /// Contents of which nothing is selected or recorded.
+    /// Creates a target with nothing selected or recorded.
     pub fn new(contents: Contents, limits: Limits) -> EditTarget {
         EditTarget {
             selection: Selection::new(contents.grid.dims()),
@@ -64,17 +64,17 @@ impl EditTarget {
         &self.contents.material
     }
 
-    /// The voxels that are protected, if any are.
+    /// Returns the protected voxels, if there are any.
     pub fn mask(&self) -> Option<&Grid> {
         self.contents.mask.as_deref()
     }
 
-    /// The images of tools by the symmetry in use, the identity first.
+    /// Returns the images of tools under the present symmetry, the identity first.
     pub fn images(&self) -> Vec<SymmetryTransform> {
         self.symmetry.images(self.grid().dims(), self.grid().voxel_size())
     }
 
-    /// The selected boxes; an error if there are none.
+    /// Returns the selected boxes; an error if there are none.
     pub fn selected(&self) -> Result<BoxStack, CommandError> {
         match self.selection.stack().is_empty() {
             true => Err(CommandError::NothingSelected),
@@ -82,12 +82,12 @@ impl EditTarget {
         }
     }
 
-    /// Where tools may work.
+    /// Returns where tools may work.
     pub fn scope(&self) -> EditScope<'_> {
         EditScope { stack: self.selection.limit(), mask: self.mask() }
     }
 
-    /// One edit, where tools may work.
+    /// Edits the voxels of a region where tools may work.
     pub fn edit(&mut self, region: &impl Region, op: EditOp) -> EditStats {
         let (contents, recorder, dirty) =
             (Arc::make_mut(&mut self.contents), &mut self.recorder, &mut self.dirty);
@@ -119,7 +119,7 @@ impl EditTarget {
         stats
     }
 
-    /// Adds voxels to the mask or takes them out of it, within the selection if tools are limited to it.
+    /// Adds voxels to the mask or removes them from it, within the selection if tools are limited to it.
     pub fn edit_mask(
         &mut self,
         region: &impl Region,
@@ -151,7 +151,7 @@ impl EditTarget {
         Ok(stats)
     }
 
-    /// The number of new colour pages of an edit: a quick upper bound, or exact.
+    /// Returns the number of new colour pages of an edit: exactly, or as a quick upper bound.
     pub fn new_pages(&self, region: &impl Region, op: EditOp, exact: bool) -> u64 {
         let (contents, scope) = (&self.contents, self.scope());
         match scope.is_everywhere() {
@@ -160,7 +160,7 @@ impl EditTarget {
         }
     }
 
-    /// The number of bricks among those of a list that have no page of colours; 0 if the sculpture stores no colours.
+    /// Returns how many bricks of a list have no page of colours; 0 if the sculpture stores no colours.
     pub fn unpainted_bricks(&self, voxels: &ListedBricks) -> u64 {
         if !self.has_colour() {
             return 0;
@@ -169,8 +169,8 @@ impl EditTarget {
         voxels.bricks().iter().filter(|(b, _)| unpainted(b)).count() as u64
     }
 
-    /// Refuses a change that would take more memory for colours than is allowed. `pages`: how many new pages it takes,
-    /// at most (`false`) or as exactly as can be known (`true`).
+    /// Returns an error if a change would need more memory for colours than is allowed. `pages`: the number of new
+    /// pages, as an upper bound (`false`) or as exactly as possible (`true`).
     pub fn check_colour_memory(&self, pages: impl Fn(bool) -> u64) -> Result<(), CommandError> {
         let needed = |exact| self.material().bytes_with(pages(exact));
         let budget = self.limits.colour_bytes;
@@ -185,12 +185,12 @@ impl EditTarget {
         self.material().depth() != ColourDepth::None
     }
 
-    /// An error if the sculpture stores no colours.
+    /// Returns an error if the sculpture stores no colours.
     pub fn require_colours(&self) -> Result<(), CommandError> {
         if self.has_colour() { Ok(()) } else { Err(CommandError::NoColour) }
     }
 
-    /// An error if `op` only changes colours and the sculpture stores none.
+    /// Returns an error if `op` only changes colours and the sculpture stores none.
     pub fn require_colours_for(&self, op: EditOp) -> Result<(), CommandError> {
         match op {
             EditOp::Recolour(_) => self.require_colours(),
@@ -198,12 +198,12 @@ impl EditTarget {
         }
     }
 
-    /// A colour that unpainted voxels do not have.
+    /// Returns a colour that no unpainted voxel has.
     pub fn new_colour(&self) -> Rgb {
         Rgb(self.material().base().0.map(|v| !v))
     }
 
-    /// Tells the subscribers of `changes` which bricks have changed since this was last done.
+    /// Publishes the bricks changed since the last call to the subscribers of `changes`.
     pub fn publish(&mut self, changes: &mut Changes) {
         let bricks = self.contents.grid.brick_count();
         changes.publish(&mut self.dirty, std::mem::take(&mut self.all_dirty), bricks);

@@ -1,4 +1,4 @@
-//! Errors of commands. Messages are for users, but name no setting or flag, which only the program has.
+//! Errors of commands. The messages are for users, but name no setting or flag: only the program knows these.
 
 use std::path::PathBuf;
 
@@ -15,10 +15,10 @@ use crate::tools::repair::RepairError;
 /// Why a command was refused. The sculpture is as it was before.
 #[derive(Debug, Error)]
 pub enum CommandError {
-    /// The new grid is not possible.
+    /// The new grid is impossible.
     #[error(transparent)]
     Grid(#[from] GridError),
-    /// A command about colours, but the sculpture stores none.
+    /// The command concerns colours, but the sculpture stores none.
     #[error("this sculpture has no colours; create or open one with 8, 16 or 24 bits of colour")]
     NoColour,
     /// The work needs more memory than [`crate::sculpture::Limits`] allow.
@@ -44,7 +44,7 @@ pub enum CommandError {
     NotReadBack {
         /// Label of the step.
         step: String,
-        /// Why, as a part of a sentence.
+        /// The reason, as a part of a sentence.
         reason: String,
     },
     /// The work was cancelled.
@@ -62,7 +62,7 @@ pub enum CommandError {
     /// A value of the command breaks a rule.
     #[error(transparent)]
     Invalid(#[from] InvalidValue),
-    /// There is no voxel of the surface to flood from.
+    /// No voxel of the surface is there to flood from.
     #[error("there is no voxel of the surface at {0}; name one that can be seen")]
     NotOnSurface(UVec3),
     /// The image to paint with is not known to the document.

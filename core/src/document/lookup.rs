@@ -1,7 +1,7 @@
-//! Finds voxels that commands name by one of them or by a property: voxels of a colour, patches of the surface, pieces,
-//! each with those around its mirror images.
+//! Finds voxels that commands name by one voxel or by a property: voxels of a colour, patches of the surface, and
+//! pieces, each with those around its mirror images.
 //!
-//! Takes the target, changes nothing. Gives voxels, or the reason why a number or a place is refused.
+//! Takes the target without changing it. Returns voxels, or the reason why a number or a place is refused.
 
 use glam::UVec3;
 
@@ -16,7 +16,7 @@ use crate::tools::mask::{self, MAX_REACH_VX};
 use crate::tools::pieces::{PiecesOf, pieces};
 use crate::tools::repair::RepairError;
 
-/// Returns the voxels of a colour, or of one near it.
+/// Returns the voxels of a colour or of similar colours.
 pub(super) fn voxels_of_colour(
     target: &EditTarget,
     colour: Rgb,
@@ -27,7 +27,7 @@ pub(super) fn voxels_of_colour(
     Ok(flood::of_colour(&target.contents, colour, tolerance))
 }
 
-/// Returns the patch of the surface around a voxel, and those around its mirror images.
+/// Returns the patch of the surface around a voxel, and the patches around its mirror images.
 pub(super) fn patch(
     target: &EditTarget,
     at: UVec3,
@@ -63,7 +63,7 @@ pub(super) fn piece_at(target: &EditTarget, at: UVec3) -> Result<ListedBricks, C
     Ok(ListedBricks::new(bricks.filter(|(_, brick)| !brick.is_empty()).collect()))
 }
 
-/// Returns a voxel of the surface, and those of its mirror images that belong to the surface.
+/// Returns a voxel of the surface, and its mirror images that belong to the surface.
 pub(super) fn surface_images(target: &EditTarget, at: UVec3) -> Result<Vec<UVec3>, CommandError> {
     let grid = target.grid();
     if at.cmpge(grid.dims()).any() || !flood::is_on_surface(grid, at.as_ivec3()) {
@@ -75,7 +75,7 @@ pub(super) fn surface_images(target: &EditTarget, at: UVec3) -> Result<Vec<UVec3
     Ok(voxels.filter(|v| flood::is_on_surface(grid, *v)).map(|v| v.as_uvec3()).collect())
 }
 
-/// Returns a patch of the surface with all below it to a depth of `by` voxels.
+/// Returns a patch of the surface with all voxels below it to a depth of `by` voxels.
 pub(super) fn thickened(
     target: &EditTarget,
     voxels: &ListedBricks,

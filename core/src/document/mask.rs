@@ -1,7 +1,7 @@
-//! Changes the mask: the voxels that are protected from all tools. Mirror planes and the limit to the selection apply
-//! to it as to tools; each change is undone like any other.
+//! Changes the mask, which protects voxels from all tools. Mirror planes and the limit to the selection apply to it as
+//! to tools. Each change can be undone like any other.
 //!
-//! Takes the target and a change of the mask; gives counts of what changed.
+//! Takes the target and a change of the mask; returns counts of changes.
 
 use super::CommandError;
 use super::edit_target::EditTarget;

@@ -1,7 +1,7 @@
-//! How a sculpture is laid another way: the step keeps it as it was only where the way back would not restore every
+//! Reorients a sculpture. The step keeps the former contents only if the inverse orientation would not restore every
 //! byte.
 //!
-//! Takes contents and an orientation; gives the contents laid that way, or puts them in place. Knows no history.
+//! Takes contents and an orientation; returns the reoriented contents, or puts them in place. Knows no history.
 
 use super::CommandError;
 use super::edit_target::EditTarget;
@@ -11,8 +11,8 @@ use crate::sculpture::history::{Contents, StepChange};
 use crate::sculpture::orient::Reorientation;
 use crate::sculpture::orientation::Orientation;
 
-/// The contents laid another way, within `limits`. [`Document::put_oriented`](super::Document::put_oriented) puts them
-/// in place.
+/// Returns the reoriented contents, computed within `limits`. [`Document::put_oriented`](super::Document::put_oriented)
+/// puts them in place.
 pub fn orient_contents(
     contents: &Contents,
     orientation: Orientation,
@@ -22,7 +22,7 @@ pub fn orient_contents(
     Ok(Reorientation::new(contents, orientation).run(limits, progress)?)
 }
 
-/// Bytes of a step that undoes an orientation of the contents.
+/// Returns the size in bytes of a step that undoes an orientation of the contents.
 pub(super) fn bytes_to_undo(contents: &Contents, orientation: Orientation) -> usize {
     if is_exact(contents, orientation) { 0 } else { contents.kept_bytes() }
 }
@@ -31,7 +31,7 @@ fn is_exact(contents: &Contents, orientation: Orientation) -> bool {
     Reorientation::new(contents, orientation).is_exact()
 }
 
-/// Lays the contents another way; gives the way back. `computed`: the contents that this leads to, if they are known
+/// Reorients the contents and returns the reverse change. `computed`: the reoriented contents, if they are known
 /// already.
 ///
 /// # Errors

@@ -1,6 +1,6 @@
-//! The images with which tools paint, by the name that commands give them.
+//! The images that tools paint with, under the names that commands use for them.
 //!
-//! Takes decoded images: files are the session's.
+//! Takes decoded images: the session reads the files.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use std::sync::Arc;
 use super::CommandError;
 use crate::tools::texture::Texture;
 
-/// The images that are loaded.
+/// The loaded images.
 #[derive(Debug, Default)]
 pub(super) struct LoadedPictures(HashMap<PathBuf, Arc<Texture>>);
 
@@ -26,7 +26,7 @@ impl LoadedPictures {
         self.0.clear();
     }
 
-    /// An image; an error if it is not loaded.
+    /// Returns an image; an error if it is not loaded.
     pub fn get(&self, name: &Path) -> Result<&Arc<Texture>, CommandError> {
         self.0.get(name).ok_or_else(|| CommandError::NoPicture(name.to_path_buf()))
     }

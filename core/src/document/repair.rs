@@ -1,6 +1,6 @@
-//! Makes a sculpture fit for printing: a plan of voxels to remove and to add, which is then carried out.
+//! Makes a sculpture fit for printing: plans the voxels to remove and to add, and applies the plan.
 //!
-//! Takes contents and a repair, gives the plan; takes the target and a plan, gives counts of what changed.
+//! Takes contents and a repair, and returns the plan; takes the target and a plan, and returns counts of changes.
 
 use super::CommandError;
 use super::edit_target::EditTarget;
@@ -11,8 +11,8 @@ use crate::sculpture::history::Contents;
 use crate::sculpture::inherit::Inherited;
 use crate::tools::repair::{Repair, RepairPlan};
 
-/// The voxels that `repair` changes, found within `limits`. [`Document::put_repaired`](super::Document::put_repaired)
-/// applies them.
+/// Returns the voxels that `repair` changes, found within `limits`.
+/// [`Document::put_repaired`](super::Document::put_repaired) applies them.
 pub fn plan_repair(
     contents: &Contents,
     repair: &Repair,
@@ -22,8 +22,8 @@ pub fn plan_repair(
     Ok(repair.plan(&contents.grid, limits.grid_bytes, progress)?)
 }
 
-/// Removes and adds the voxels of a plan that was made of the present contents. Thickened walls take the colours
-/// around them, fillings of cavities the base colour.
+/// Removes and adds the voxels of a plan made from the present contents. Thickened walls take the colours around them,
+/// filled cavities the base colour.
 pub(super) fn carry_out(
     target: &mut EditTarget,
     plan: &RepairPlan,

@@ -1,8 +1,8 @@
-//! All that makes up a document between two strokes, as values: to be kept elsewhere, and to begin a
-//! document with that goes on exactly as this one would have.
+//! The complete state of a document between two strokes, as values: to store it, and to create a document that
+//! continues exactly as this one would.
 //!
-//! Taking a snapshot shares contents, steps and clipboard. Loaded pictures are not in it: they belong to
-//! files, which the session knows.
+//! Taking a snapshot shares contents, steps and clipboard. Loaded pictures are not part of it: they belong to files,
+//! which the session knows.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ pub struct DocumentSnapshot {
     pub history: HistorySnapshot,
     /// The clipboard.
     pub clip: Option<Arc<Clip>>,
-    /// The commands that set placement, selection, symmetry and everything else that is no undo step, from a document
+    /// The commands that restore placement, selection, symmetry and all other state outside undo steps, in a document
     /// where nothing is set.
     pub settings: Vec<Command>,
     /// The uses of tools that an array repeats.
@@ -32,7 +32,7 @@ pub struct DocumentSnapshot {
 }
 
 impl DocumentSnapshot {
-    /// Of a document in which no stroke is open.
+    /// Takes a snapshot of a document without an open stroke.
     pub(super) fn of(document: &Document) -> DocumentSnapshot {
         DocumentSnapshot {
             contents: document.target.contents.clone(),

@@ -1,6 +1,6 @@
-//! Uses solids as tools: solids in a box, those that are drawn, and images on them, each with its mirror images.
+//! Applies solids as tools: solids in a box, drawn solids, and images on them, each with its mirror images.
 //!
-//! Takes the target and a solid; gives counts of what changed. Memory is checked before the first change.
+//! Takes the target and a solid; returns counts of changes. Memory is checked before the first change.
 
 use std::path::Path;
 
@@ -15,7 +15,7 @@ use crate::tools::drawn::region::PlacedDrawnSolid;
 use crate::tools::solid::{PlacedSolid, Primitive, check_sweep_end};
 use crate::tools::symmetry::SymmetryTransform;
 
-/// Edits the voxels inside a solid, or inside the volume that it sweeps on its way `to_vx`.
+/// Edits the voxels inside a solid, or inside the volume that it sweeps to `to_vx`.
 pub(super) fn construct(
     target: &mut EditTarget,
     op: EditOp,
@@ -30,7 +30,7 @@ pub(super) fn construct(
     Ok(stats)
 }
 
-/// Edits the voxels inside a solid that is drawn.
+/// Edits the voxels inside a drawn solid.
 pub(super) fn draw(
     target: &mut EditTarget,
     op: EditOp,
@@ -49,7 +49,7 @@ pub(super) fn draw(
     Ok(stats)
 }
 
-/// Colours the voxels inside a solid by an image. Mirror images show the image mirrored.
+/// Colours the voxels inside a solid with an image. Mirror images show the image mirrored.
 pub(super) fn texture(
     target: &mut EditTarget,
     primitive: &Primitive,
@@ -72,8 +72,8 @@ pub(super) fn texture(
     Ok(stats)
 }
 
-/// A solid and its mirror images, placed in the grid; an error if memory does not suffice for the colours that `op`
-/// paints.
+/// Returns a solid and its mirror images, placed in the grid; an error if memory does not suffice for the colours that
+/// `op` paints.
 fn images_of(
     target: &EditTarget,
     primitive: &Primitive,

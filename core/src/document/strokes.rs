@@ -1,6 +1,6 @@
-//! The open stroke of a document, and the uses of tools that an array repeats.
+//! The open stroke of a document, and the tool uses that an array repeats.
 //!
-//! Takes what happens to strokes and tools, gives what an array is to repeat. Changes no voxel.
+//! Takes the events of strokes and tools; returns the uses for an array to repeat. Changes no voxel.
 
 use glam::IVec3;
 
@@ -10,9 +10,9 @@ use crate::refusal::InvalidValue;
 use crate::sculpture::Grid;
 use crate::tools::brush::BrushSurface;
 
-/// Most copies in an array.
+/// Maximum number of copies in an array.
 pub const MAX_ARRAY: u32 = 1024;
-/// Most uses of tools that an array repeats or makes.
+/// Maximum number of tool uses that an array repeats or makes.
 pub const MAX_REPEATED: usize = 1 << 14;
 
 /// The open stroke, and the last operation.
@@ -20,9 +20,9 @@ pub const MAX_REPEATED: usize = 1 << 14;
 pub(super) struct Strokes {
     /// Label of the open stroke.
     label: Option<String>,
-    /// The grid before the open stroke's first spray that asked for it.
+    /// The grid before the first spray of the open stroke that works on that surface.
     surface: Option<Box<Grid>>,
-    /// Uses of tools in the open stroke, and those of the last operation.
+    /// The tool uses in the open stroke, or those of the last operation.
     uses: Vec<Command>,
     last_uses: Vec<Command>,
 }
@@ -32,7 +32,7 @@ impl Strokes {
         self.label.is_some()
     }
 
-    /// Label of the open stroke.
+    /// Returns the label of the open stroke.
     pub fn label(&self) -> Option<&str> {
         self.label.as_deref()
     }
@@ -41,7 +41,7 @@ impl Strokes {
         self.label = Some(label);
     }
 
-    /// Closes the stroke and makes it the last operation, if a tool was used in it. Returns its label.
+    /// Closes the stroke. If a tool was used in it, it becomes the last operation. Returns its label.
     pub fn end(&mut self) -> String {
         self.surface = None;
         if !self.uses.is_empty() {
@@ -51,19 +51,19 @@ impl Strokes {
         self.label.take().unwrap_or_default()
     }
 
-    /// Closes the stroke as if it had not been.
+    /// Closes the stroke as if it had never been opened.
     pub fn cancel(&mut self) {
         self.label = None;
         self.surface = None;
         self.uses.clear();
     }
 
-    /// The surface when the stroke began, if it was kept.
+    /// Returns the surface at the beginning of the stroke, if it was kept.
     pub fn surface(&self) -> Option<&Grid> {
         self.surface.as_deref()
     }
 
-    /// Keeps the present surface for what follows in the open stroke, unless an earlier one is kept.
+    /// Keeps the present surface for the rest of the open stroke, unless an earlier one is kept.
     pub fn keep_surface(&mut self, grid: &Grid) -> Result<(), CommandError> {
         if self.is_open() && self.surface.is_none() {
             self.surface = Some(Box::new(grid.copied()?));
@@ -71,11 +71,11 @@ impl Strokes {
         Ok(())
     }
 
-    /// Remembers a use of a tool for arrays.
+    /// Remembers a tool use for arrays.
     pub fn note_use(&mut self, command: &Command) {
         let replaces = matches!(command, Command::Brush(used) if used.replaces_stroke());
         let used = match command {
-            // A copy in an array does not take the place of those before it.
+            // A copy in an array does not replace the ones before it.
             Command::Brush(used) if replaces => Command::Brush(used.clone().on(BrushSurface::Now)),
             _ => command.clone(),
         };
@@ -89,22 +89,22 @@ impl Strokes {
         }
     }
 
-    /// The uses of tools in the last operation.
+    /// Returns the tool uses of the last operation.
     pub fn last_uses(&self) -> &[Command] {
         &self.last_uses
     }
 
-    /// Makes these uses of tools the last operation; without any there is none.
+    /// Makes these tool uses the last operation. An empty list means no last operation.
     pub fn set_last_uses(&mut self, uses: Vec<Command>) {
         self.last_uses = uses;
     }
 
-    /// There is no last operation any more.
+    /// Forgets the last operation.
     pub fn forget_last_uses(&mut self) {
         self.last_uses.clear();
     }
 
-    /// Takes the last operation to repeat it so many times.
+    /// Takes the last operation in order to repeat it `count` times.
     pub fn take_last_uses(&mut self, count: u32) -> Result<Vec<Command>, CommandError> {
         match self.last_uses.len() {
             0 => Err(CommandError::NothingToRepeat),
@@ -119,13 +119,14 @@ impl Strokes {
         }
     }
 
-    /// Makes one operation of these uses of tools and the last operation, which has followed them.
+    /// Joins these tool uses and the last operation, which has followed them, into one operation.
     pub fn join_last_uses(&mut self, before: Vec<Command>) {
         self.last_uses.splice(0..0, before);
     }
 }
 
-/// The copies that an array makes of `uses`, each further by `step`; an error in place of one that cannot be repeated.
+/// Returns the copies that an array makes of `uses`, each further by `step`; an error in place of one that cannot be
+/// repeated.
 pub(super) fn copies(
     uses: &[Command],
     count: u32,

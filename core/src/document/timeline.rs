@@ -1,8 +1,8 @@
-//! The undo steps of a document and the states that they lead to: which state is the present one, how many have been
-//! identified, and whether the history can keep another step.
+//! The undo steps of a document and the states that they lead to: the present state, the number of states identified so
+//! far, and whether the history can keep another step.
 //!
-//! Takes finished changes as steps. [`travel`] goes along them, on the contents that it is given. Knows no command that
-//! edits, and no stroke.
+//! Takes finished changes as steps. [`travel`] moves along them, on the contents that it is given. Knows no editing
+//! command and no stroke.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -18,11 +18,11 @@ mod travel;
 
 pub(super) use travel::Direction;
 
-/// The undo steps of a document, and its place among them.
+/// The undo steps of a document, and its position among them.
 #[derive(Debug)]
 pub(super) struct Timeline {
     history: History,
-    /// The current state, and the one after the last step: within a stroke they differ.
+    /// The current state, and the state after the last step: they differ within a stroke.
     state: State,
     settled: State,
     /// Number of states identified so far.
@@ -32,7 +32,7 @@ pub(super) struct Timeline {
 }
 
 impl Timeline {
-    /// No steps, of which at most `budget_bytes` will be kept.
+    /// Creates an empty timeline that keeps at most `budget_bytes` of steps.
     pub fn new(budget_bytes: usize) -> Timeline {
         Timeline {
             history: History::new(budget_bytes),
@@ -43,7 +43,7 @@ impl Timeline {
         }
     }
 
-    /// Goes on with the steps of another timeline, in the state in which it was after so many `states`.
+    /// Continues with the steps of another timeline, in its state `state` after `states` states.
     pub fn restore(&mut self, history: History, state: State, states: u64) {
         self.history = history;
         (self.state, self.settled, self.states) = (state, state, states);
@@ -57,17 +57,17 @@ impl Timeline {
         self.state
     }
 
-    /// Gives steps that memory has no room for to a store from now on.
+    /// Moves steps for which memory has no room to a store from now on.
     pub fn use_store(&mut self, store: Arc<dyn StepStore>) {
         self.history.use_store(store);
     }
 
-    /// Lets the steps take up to `budget_bytes`, if that is more than they may take now.
+    /// Raises the budget of the steps to `budget_bytes`, if that is more than now.
     pub fn raise_budget(&mut self, budget_bytes: usize) {
         self.history.raise_budget(budget_bytes);
     }
 
-    /// An error if the history cannot keep a step and that is not allowed.
+    /// Returns an error if the history cannot keep a step and irreversible steps are not allowed.
     pub fn require_room(&self, label: &str, bytes: usize) -> Result<(), CommandError> {
         let bytes = bytes.saturating_add(label.len());
         if self.irreversible || self.history.can_keep(bytes) {
@@ -86,30 +86,30 @@ impl Timeline {
         self.states
     }
 
-    /// Something has changed: that is a new state.
+    /// Enters a new state after a change.
     pub fn enter_new_state(&mut self) {
         self.state.number = self.new_state();
     }
 
-    /// All changes since the last step have been reverted.
+    /// Returns to the state after the last step: all changes since have been reverted.
     pub fn return_to_settled(&mut self) {
         self.state = self.settled;
     }
 
-    /// Makes an undo step of recorded edits, if there are any, which have led to the current state.
+    /// Makes an undo step of the recorded edits that have led to the current state, if there are any.
     pub fn push_edits(&mut self, label: String, record: BrickRecord) {
         if !record.is_empty() {
             self.settle(label, StepChange::Bricks(record));
         }
     }
 
-    /// Adds a step that has changed the sculpture as a whole.
+    /// Adds a step for a change of the whole sculpture.
     pub fn push_change(&mut self, label: String, change: StepChange) {
         self.enter_new_state();
         self.settle(label, change);
     }
 
-    /// Adds a step that has put another sculpture in place of `old`.
+    /// Adds a step for the replacement of the sculpture `old`.
     pub fn push_replacement(&mut self, label: String, old: Box<Contents>) {
         let number = self.new_state();
         self.state = State { sculpture: number, number };
@@ -121,8 +121,8 @@ impl Timeline {
         self.history.push(Step { label, change, state });
     }
 
-    /// Puts the steps of another timeline on top of its own, where that one was in the state `was`. All their states
-    /// become states of this one. Returns what has become of each sculpture.
+    /// Puts the steps of another timeline, which was in the state `was`, on top of its own. All states of the other
+    /// become states of this one. Returns the new number of each sculpture.
     pub fn adopt(&mut self, mut kept: HistorySnapshot, was: State) -> HashMap<u64, u64> {
         let mut sculptures = HashMap::from([(was.sculpture, self.state.sculpture)]);
         let mut states = HashMap::from([(was, self.state)]);

@@ -1,14 +1,14 @@
-//! Tries commands without keeping any of their changes, so that it can be said why others have done nothing.
+//! Tries commands without keeping their changes, to find out why others have had no effect.
 //!
-//! Takes commands that use tools or edit areas; gives the changes that they would make; other commands are passed over.
-//! Leaves the document as it was.
+//! Takes commands that use tools or edit areas; returns the changes that they would make. Skips other commands. Leaves
+//! the document as it was.
 
 use super::Document;
 use crate::command::{Command, CommandClass};
 use crate::sculpture::edit::EditStats;
 use crate::tools::brush::spec::BrushGroup;
 
-/// The things that keep tools off in a trial.
+/// The restrictions that apply to tools in a trial.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Heeds {
     /// The limit to the selection.
@@ -18,26 +18,26 @@ pub struct Heeds {
 }
 
 impl Heeds {
-    /// Tools work everywhere.
+    /// No restrictions: tools work everywhere.
     pub const NOTHING: Heeds = Heeds { limit: false, mask: false };
 }
 
 impl Document {
-    /// Counts the voxels that commands would change, one after the other, as far as they can be carried out. Within a stroke nothing is
-    /// tried.
+    /// Counts the voxels that commands would change, one after the other, as far as they can be executed. Tries nothing
+    /// within a stroke.
     pub fn would_change(&mut self, commands: &[Command], heeds: Heeds) -> EditStats {
         let mut stats = EditStats::default();
         if self.stroke_open() {
             return stats;
         }
-        // The mask keeps nothing off itself.
+        // The mask does not protect itself.
         let about_mask = |command: &Command| match command {
             Command::Mask(_) => true,
             Command::Brush(used) => used.brush().spec().group == BrushGroup::Mask,
             _ => false,
         };
         let lifts = !heeds.mask && self.mask().is_some() && !commands.iter().any(about_mask);
-        // Where a snapshot shares them and there is no memory for a copy, nothing is tried.
+        // If a snapshot shares the contents and memory lacks room for a copy, nothing is tried.
         if lifts && self.target.own_contents().is_err() {
             return stats;
         }
@@ -64,7 +64,7 @@ impl Document {
     }
 }
 
-/// Whether all that a command changes is in the record of a stroke.
+/// Returns whether all changes of a command are in the record of a stroke.
 fn can_be_tried(command: &Command) -> bool {
     match command.class() {
         CommandClass::Tool | CommandClass::Area | CommandClass::Mask => true,

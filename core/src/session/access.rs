@@ -1,8 +1,8 @@
-//! The access of a session to the files of its sculptures, and the other programs that have them open.
+//! The access of a session to the files of its sculptures, and other programs that have them open.
 //!
-//! The file of the present sculpture is locked ([`lock`](super::lock)) as long as it is the present one, if
-//! [`FileAccess`] says so; undo and redo past `open` give one back and take the other. A file that is saved is locked
-//! at least meanwhile. Only .vsc files are locked; volumes are written for other programs.
+//! The file of the present sculpture stays locked ([`lock`](super::lock)) while that sculpture is the present one, if
+//! [`FileAccess`] says so. Undo and redo past `open` release one lock and take another. A file is locked at least while
+//! it is saved. Only .vsc files are locked; volumes are written for other programs.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -15,44 +15,44 @@ use crate::format;
 /// How a session treats the files of its sculptures.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum FileAccess {
-    /// They are locked only while they are saved, as suits a script that is soon over.
+    /// Locked only while they are saved, as suits a short script.
     #[default]
     Brief,
-    /// The present one is locked, so that other programs know of it.
+    /// The present one stays locked, so that other programs know of it.
     Locked,
-    /// They are not locked, and what was opened is not overwritten.
+    /// Not locked; opened files are not overwritten.
     ReadOnly,
 }
 
 /// The present sculpture's file.
 #[derive(Debug)]
 struct Present {
-    /// None if it is not to be locked.
+    /// `None` if it is not locked.
     path: Option<PathBuf>,
     taken: LockResult,
 }
 
-/// A session's record of who may write.
+/// A session's record of write access.
 #[derive(Debug, Default)]
 pub(super) struct Access {
     mode: FileAccess,
-    /// None: to be found out.
+    /// `None` until it is determined.
     present: Option<Present>,
-    /// The person has not been told yet that another program has it.
+    /// Whether the person has yet to be told that another program has the file open.
     is_news: bool,
-    /// Files that are not to be overwritten.
+    /// Files that must not be overwritten.
     read_only: HashSet<PathBuf>,
 }
 
 impl Access {
-    /// Whether the lock of the file at `path` is ours.
+    /// Returns whether this session holds the lock of the file at `path`.
     pub fn holds(&self, path: &Path) -> bool {
         self.present.as_ref().is_some_and(|present| {
             matches!(present.taken, LockResult::Ours(_)) && present.path == Some(key(path))
         })
     }
 
-    /// The file at `path` has become the present one, and was locked for that.
+    /// Makes the file at `path`, which was locked for that, the present one.
     pub(crate) fn adopt(&mut self, path: &Path, lock: Option<FileLock>) {
         if let Some(lock) = lock.filter(|_| self.mode == FileAccess::Locked) {
             self.present = Some(Present { path: Some(key(path)), taken: LockResult::Ours(lock) });
@@ -60,14 +60,14 @@ impl Access {
         }
     }
 
-    /// A file was opened.
+    /// Notes that a file was opened.
     pub fn opened(&mut self, path: &Path) {
         if self.mode == FileAccess::ReadOnly {
             self.read_only.insert(key(path));
         }
     }
 
-    /// Changes how files are treated from now on, that of the present sculpture at `path` included.
+    /// Changes how files are treated from now on, including the file of the present sculpture at `path`.
     pub fn set_mode(&mut self, mode: FileAccess, path: Option<&Path>) {
         self.mode = mode;
         if let Some(path) = path {
@@ -76,12 +76,12 @@ impl Access {
         self.follow(path);
     }
 
-    /// How files are treated.
+    /// Returns how files are treated.
     pub fn mode(&self) -> FileAccess {
         self.mode
     }
 
-    /// The other program that has the present sculpture's file open, if there is one. Returned once.
+    /// Returns the other program that has the present sculpture's file open, if there is one. Reports it once.
     pub fn take_foreign_holder(&mut self) -> Option<Holder> {
         if !std::mem::take(&mut self.is_news) {
             return None;
@@ -92,17 +92,17 @@ impl Access {
         }
     }
 
-    /// Whether the file at `path` is not to be overwritten.
+    /// Returns whether the file at `path` must not be overwritten.
     pub fn is_read_only(&self, path: &Path) -> bool {
         self.read_only.contains(&key(path))
     }
 
-    /// Does not overwrite the file at `path` from now on.
+    /// Protects the file at `path` from being overwritten from now on.
     pub fn keep_read_only(&mut self, path: &Path) {
         self.read_only.insert(key(path));
     }
 
-    /// Refuses to overwrite a file that was opened to be read only.
+    /// Returns an error if the file was opened read-only.
     pub(crate) fn require_may_write(&self, path: &Path) -> Result<(), SessionError> {
         match self.is_read_only(path) {
             true => Err(SessionError::ReadOnly { path: path.to_path_buf() }),
@@ -110,7 +110,7 @@ impl Access {
         }
     }
 
-    /// Locks the file of the present sculpture at `path`, and gives back the lock of any other.
+    /// Locks the file of the present sculpture at `path`, and releases the lock of any other.
     pub fn follow(&mut self, path: Option<&Path>) {
         let is_locked =
             |path: &&Path| self.mode == FileAccess::Locked && format::is_sculpture(path);
@@ -118,7 +118,7 @@ impl Access {
         if self.present.as_ref().is_some_and(|present| present.path == path) {
             return;
         }
-        // The former lock first: the new one may be of the same file by another name.
+        // The former lock is released first: the new one may be for the same file by another name.
         self.present = None;
         let taken = path.as_deref().map_or(LockResult::Without, lock::take);
         self.is_news = matches!(taken, LockResult::Foreign(_));
@@ -126,7 +126,7 @@ impl Access {
     }
 }
 
-/// The lock with which the file at `path` is saved; none where there can be none, or where it is held already.
+/// Returns the lock for saving the file at `path`; `None` if it cannot be locked or the lock is held already.
 pub(super) fn lock_to_save(path: &Path, is_held: bool) -> Result<Option<FileLock>, SessionError> {
     if is_held || !format::is_sculpture(path) {
         return Ok(None);

@@ -1,4 +1,4 @@
-//! Why a session refuses a command, in words for the person.
+//! The reasons why a session refuses a command, worded for the person.
 
 use std::path::PathBuf;
 
@@ -31,7 +31,7 @@ pub enum SessionError {
         /// The reason.
         error: FormatError,
     },
-    /// The file is not as this session has read or written it.
+    /// The file differs from what this session has read or written.
     #[error(
         "cannot save {path}: another program has changed it since it was opened or saved here; save under another name, \
          or open it again; to replace it, remove it first"
@@ -39,7 +39,7 @@ pub enum SessionError {
     ChangedOnDisk {
         /// The file.
         path: PathBuf,
-        /// Its identity now; none if it cannot be read.
+        /// Its present identity; `None` if it cannot be read.
         found: Option<FileIdentity>,
     },
     /// Another program has the file open.
@@ -50,7 +50,7 @@ pub enum SessionError {
         /// The program that has it open.
         holder: Holder,
     },
-    /// The file was opened to be read only.
+    /// The file was opened read-only.
     #[error("cannot save {path}: it was opened read-only; save under another name")]
     ReadOnly {
         /// The file.
@@ -79,7 +79,7 @@ pub enum SessionError {
     JournalTaken {
         /// The file.
         path: PathBuf,
-        /// Names the contents of the file.
+        /// A description of the file's contents.
         holds: &'static str,
     },
     /// The sculpture has already been changed.
@@ -88,7 +88,7 @@ pub enum SessionError {
 }
 
 impl SessionError {
-    /// Whether the work was cancelled.
+    /// Returns whether the work was cancelled.
     pub fn is_cancelled(&self) -> bool {
         use SessionError::{Open, Save};
         match self {

@@ -1,5 +1,5 @@
-//! The file of each sculpture of a session, and the state in which it was last written or read, so that
-//! undo past `new` and `open` leads back to the right file.
+//! The file of each sculpture of a session, and the state in which it was last written or read, so that undo past `new`
+//! and `open` leads back to the right file.
 //!
 //! Keyed by the document's states. Reads and writes no file.
 
@@ -15,13 +15,11 @@ use crate::sculpture::orientation::Up;
 #[derive(Debug, Default)]
 struct File {
     path: Option<PathBuf>,
-    /// Texts of the file, which go along when it is saved.
+    /// Texts of the file, which are saved with it.
     texts: Texts,
-    /// Number of the state that the file holds. A sculpture that was only just made has nothing to
-    /// lose either.
+    /// Number of the state that the file holds. A newly made sculpture has nothing to lose either.
     saved: Option<u64>,
-    /// The number of the state in which it was read, and the axis that was taken for the one that
-    /// points up, where the file does not say so.
+    /// The number of the state in which it was read, and the axis assumed to point up, if the file does not state it.
     assumed_up: Option<(u64, Up)>,
 }
 
@@ -32,7 +30,7 @@ pub(super) struct SculptureFiles {
 }
 
 impl SculptureFiles {
-    /// The files of a session that goes on.
+    /// Restores the files of a session that continues.
     pub fn restored(files: Vec<SculptureFile>) -> SculptureFiles {
         let of_sculpture = files.into_iter().map(|file| {
             let SculptureFile { sculpture, path, texts, saved, assumed_up } = file;
@@ -41,7 +39,7 @@ impl SculptureFiles {
         SculptureFiles { of_sculpture: of_sculpture.collect() }
     }
 
-    /// All of them, to be restored from any folder.
+    /// Returns all files, with paths that hold from any folder.
     pub fn all(&self) -> Vec<SculptureFile> {
         let absolute = |path: &PathBuf| std::path::absolute(path).unwrap_or_else(|_| path.clone());
         let mut files: Vec<SculptureFile> = self
@@ -64,7 +62,7 @@ impl SculptureFiles {
         self.of_sculpture.extend(SculptureFiles::restored(vec![sculpture]).of_sculpture);
     }
 
-    /// A new sculpture, without a file.
+    /// Notes that the sculpture of `state` was newly made, without a file.
     pub fn made(&mut self, state: State) {
         let file = File { saved: Some(state.number), ..File::default() };
         self.of_sculpture.insert(state.sculpture, file);
@@ -91,7 +89,7 @@ impl SculptureFiles {
         file.saved = Some(state.number);
     }
 
-    /// The sculpture of `state` has no file any more.
+    /// Notes that the sculpture of `state` has no file any more.
     pub fn forget(&mut self, state: State) {
         if let Some(file) = self.of_sculpture.get_mut(&state.sculpture) {
             file.path = None;
@@ -99,35 +97,35 @@ impl SculptureFiles {
         }
     }
 
-    /// Drops the sculptures that no state belongs to any more.
+    /// Drops the sculptures that belong to no state any more.
     pub(crate) fn keep_only(&mut self, states: impl Iterator<Item = State>) {
         let reachable: std::collections::HashSet<u64> = states.map(|s| s.sculpture).collect();
         self.of_sculpture.retain(|sculpture, _| reachable.contains(sculpture));
     }
 
-    /// The file of the sculpture of `state`.
+    /// Returns the file of the sculpture of `state`.
     pub fn path(&self, state: State) -> Option<&Path> {
         self.of_sculpture.get(&state.sculpture)?.path.as_deref()
     }
 
-    /// The axis that was taken for the one that points up, in the state in which it was read.
+    /// Returns the axis that was assumed to point up, in the state in which the file was read.
     pub fn assumed_up(&self, state: State) -> Option<Up> {
         let (number, up) = self.of_sculpture.get(&state.sculpture)?.assumed_up?;
         (number == state.number).then_some(up)
     }
 
-    /// The texts of the file of `state`.
+    /// Returns the texts of the file of `state`.
     pub fn texts(&self, state: State) -> Texts {
         self.of_sculpture.get(&state.sculpture).map(|f| f.texts.clone()).unwrap_or_default()
     }
 
-    /// Whether the file holds the sculpture in `state`.
+    /// Returns whether the file holds the sculpture in `state`.
     pub fn is_saved(&self, state: State) -> bool {
         self.of_sculpture.get(&state.sculpture).and_then(|f| f.saved) == Some(state.number)
     }
 }
 
-/// Whether two paths resolve to the same file.
+/// Returns whether two paths resolve to the same file.
 fn is_same_file(a: &Path, b: &Path) -> bool {
     a == b || matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }

@@ -1,8 +1,8 @@
-//! The undo histories of a session on the disk: the steps that memory has no room for, and the histories of saved
-//! files, kept when a file is saved and found when it is opened.
+//! The undo histories of a session on disk: steps for which memory has no room, and the histories of saved files, kept
+//! when a file is saved and found when it is opened.
 //!
-//! Steps of a saved history come on top of those that the session has: an `open` that was undone as such is then below
-//! them. Knows no session.
+//! Steps of a saved history are put on top of the session's own, so that an undone `open` lies below them. Knows no
+//! session.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -19,24 +19,25 @@ use crate::persist::spill::Spill;
 use crate::sculpture::Digest;
 use crate::sculpture::history::{Contents, StepStore};
 
-/// The undo histories of a session on the disk; none unless they are asked for.
+/// The undo histories of a session on disk; none by default.
 #[derive(Debug, Default)]
 pub(super) struct Histories {
-    /// Where the undo steps go that memory has no room for.
+    /// The store for undo steps for which memory has no room.
     spill: Option<Arc<Spill>>,
     /// The undo histories of saved files.
     saved: Option<Arc<SavedHistories>>,
 }
 
 impl Histories {
-    /// Those of a session that puts undo steps that memory has no room for in a folder, if the limits allow that.
+    /// Creates the histories of a session that moves undo steps for which memory has no room to a folder, if the limits
+    /// allow that.
     pub(crate) fn with_steps_in(folder: &Path, limits: &Limits) -> std::io::Result<Histories> {
         let mut histories = Histories::default();
         histories.keep_steps_in(folder, limits)?;
         Ok(histories)
     }
 
-    /// Puts undo steps that memory has no room for in a folder, if the limits allow that: [`Histories::step_store`].
+    /// Moves undo steps for which memory has no room to a folder, if the limits allow that: [`Histories::step_store`].
     pub(crate) fn keep_steps_in(&mut self, folder: &Path, limits: &Limits) -> std::io::Result<()> {
         self.spill = match limits.history_disk_bytes {
             0 => None,
@@ -45,7 +46,7 @@ impl Histories {
         Ok(())
     }
 
-    /// Where the steps lie that memory has no room for.
+    /// Returns the store for steps for which memory has no room.
     pub fn step_store(&self) -> Option<Arc<dyn StepStore>> {
         self.spill.clone().map(|spill| spill as Arc<dyn StepStore>)
     }
@@ -55,18 +56,18 @@ impl Histories {
         self.saved = Some(Arc::new(SavedHistories::new(options)));
     }
 
-    /// The histories of saved files, if they are kept.
+    /// Returns the histories of saved files, if they are kept.
     pub fn saved(&self) -> Option<&Arc<SavedHistories>> {
         self.saved.as_ref()
     }
 
-    /// Returns the message for the user, each once.
+    /// Returns the messages for the user, each once.
     pub(crate) fn take_message(&self) -> Option<String> {
         let of_saved = self.saved.as_ref().and_then(|saved| saved.take_message());
         of_saved.or_else(|| self.spill.as_ref()?.take_message())
     }
 
-    /// The steps that a save is to keep. Within a stroke there are none.
+    /// Returns the steps to keep with a save; none within a stroke.
     pub(crate) fn steps_to_keep(
         &self,
         document: &Document,
@@ -83,7 +84,7 @@ impl Histories {
         }
     }
 
-    /// Adds the history of the file that has just been opened to that of the document. Whether there is one.
+    /// Adds the history of the file that has just been opened to the document's. Returns whether there is one.
     pub(crate) fn adopt(
         &self,
         found: FoundHistory,
@@ -114,7 +115,7 @@ impl Histories {
     }
 }
 
-/// Finds the history that is kept for a file that was read as `contents`.
+/// Finds the history kept for a file that was read as `contents`.
 pub(super) fn find(
     histories: Option<&SavedHistories>,
     identity: Option<FileIdentity>,
@@ -127,7 +128,7 @@ pub(super) fn find(
     }
 }
 
-/// The history to keep for a file that has been saved.
+/// Returns the history to keep for a file that has been saved.
 pub(super) fn to_keep(
     steps: Option<KeptSteps>,
     path: &Path,
@@ -135,7 +136,7 @@ pub(super) fn to_keep(
     contents: &Contents,
 ) -> Option<HistoryToKeep> {
     let (steps, file_hash) = (steps?, identity?.hash);
-    // Without steps nothing is written, and the hash is not needed.
+    // Without steps, nothing is written and the hash is not needed.
     let contents_hash = if steps.is_empty() { file_hash } else { Digest::of(contents) };
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     Some(HistoryToKeep { path, file_hash, contents_hash, steps })

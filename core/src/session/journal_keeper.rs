@@ -1,8 +1,8 @@
-//! Keeps the journal of a session going: an entry for each command that was executed, and a checkpoint whenever one is
-//! wanted and no stroke is open.
+//! Maintains the journal of a session: adds an entry for each executed command, and a checkpoint whenever one is wanted
+//! and no stroke is open.
 //!
-//! Takes the parts of a session that a checkpoint holds; knows no session. Nothing here waits for a disk unless it is
-//! asked to, and nothing that goes wrong there makes a command fail.
+//! Takes the parts of a session that a checkpoint holds; knows no session. Nothing here waits for a disk unless asked
+//! to, and no disk problem makes a command fail.
 
 use std::io::{Error, ErrorKind, Result};
 use std::path::{Path, PathBuf};
@@ -29,8 +29,8 @@ pub(super) struct SessionParts<'a> {
 }
 
 impl SessionParts<'_> {
-    /// All that the session is, with as many steps as half of `max_bytes` holds, and how many are missing. None
-    /// within a stroke.
+    /// Returns the whole state of the session, with as many steps as fit into half of `max_bytes`, and the number of
+    /// missing steps. `None` within a stroke.
     fn checkpoint(&mut self, max_bytes: u64) -> Option<(Checkpoint, [usize; 2])> {
         let mut document = self.document.snapshot()?;
         let missing =
@@ -45,12 +45,12 @@ impl SessionParts<'_> {
 #[derive(Debug)]
 pub(super) struct JournalKeeper {
     writer: JournalWriter,
-    /// How many steps of the undo and the redo list, those furthest away, the journal does not hold.
+    /// The number of steps of the undo and of the redo list that the journal lacks: those furthest away.
     missing: [usize; 2],
 }
 
 impl JournalKeeper {
-    /// Begins a journal with what the session is now.
+    /// Begins a journal with the present state of the session.
     ///
     /// # Errors
     /// If no thread can be made, or a stroke is open.
@@ -62,22 +62,22 @@ impl JournalKeeper {
         Ok(JournalKeeper { writer: JournalWriter::begin(options, checkpoint)?, missing })
     }
 
-    /// The thread that writes, to ask how it goes and to wait for it.
+    /// Returns the writing thread, to query it and to wait for it.
     pub fn writer(&self) -> &JournalWriter {
         &self.writer
     }
 
-    /// The journal's file, once it has one.
+    /// Returns the journal's file, once it has one.
     pub fn path(&self) -> Option<PathBuf> {
         Some(self.writer.options().journal_dir.path(self.writer.number()?))
     }
 
-    /// Ends the journal; `remove`: nothing of it is needed any more.
+    /// Ends the journal. `remove`: nothing of it is needed any more.
     pub fn end(self, remove: bool) {
         self.writer.end(remove);
     }
 
-    /// Notes that something was done that no entry can repeat: a checkpoint follows.
+    /// Notes a change that no entry can repeat: a checkpoint follows.
     pub(crate) fn note_gap(&mut self) {
         self.writer.note_gap();
     }
@@ -103,7 +103,7 @@ impl JournalKeeper {
     ) {
         let steps = Some(applied.steps);
         let command = match command {
-            // As many as there were: the journal may hold fewer than the session has.
+            // The actual number of steps: the journal may hold fewer than the session has.
             Command::Undo { .. } => Command::Undo { steps },
             Command::Redo { .. } => Command::Redo { steps },
             command => command.clone(),
@@ -123,7 +123,7 @@ impl JournalKeeper {
             | JournalEntry::Picture { .. } => false,
         };
         if travels && (left[0] < missing[0] || left[1] < missing[1]) {
-            // It went through steps that the journal lacks.
+            // The command used steps that the journal lacks.
             writer.note_gap();
         }
         if tracing::enabled!(target: STATES, tracing::Level::TRACE) {
@@ -141,7 +141,7 @@ impl JournalKeeper {
     }
 }
 
-/// The entry of a file that has just been opened.
+/// Returns the entry for a file that has just been opened.
 pub(super) fn opened_entry(
     document: &Document,
     path: &Path,
@@ -157,14 +157,14 @@ pub(super) fn opened_entry(
     }
 }
 
-/// A fault for tests: after `VS_PANIC_AT` entries the program panics. Not in the program that people use.
+/// Panics after `VS_PANIC_AT` entries: a fault for tests. Not in release builds.
 #[cfg(debug_assertions)]
 fn fail_on_demand(entries: u64) {
     let at = std::env::var("VS_PANIC_AT").ok().and_then(|text| text.parse().ok());
     assert!(at != Some(entries), "VS_PANIC_AT asked for it");
 }
 
-/// The entry of a file that was saved.
+/// Returns the entry for a file that was saved.
 pub(super) fn saved_entry(path: &Path, state: State) -> JournalEntry {
     JournalEntry::Saved { path: absolute(path), state }
 }

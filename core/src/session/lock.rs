@@ -1,9 +1,9 @@
-//! Locks of sculptures' files, so that two programs do not save to the same one unseen.
+//! Locks the files of sculptures, so that two programs do not save to the same file unnoticed.
 //!
-//! Beside `owl.vsc` lies `.owl.vsc.lock` while a program has it open: locked as the system locks files, which ends with
-//! the program however that ends, and telling who holds it. It stays in place when the sculpture is saved, which
-//! replaces the sculpture's own file. A lock file that nobody has locked was left by a program that was killed, and
-//! is taken over. Where there can be no lock, such as in a folder that must not be written to, work goes on without.
+//! While a program has `owl.vsc` open, `.owl.vsc.lock` lies beside it. The program holds a lock of the operating system
+//! on it, which ends with the program in any case, and writes its identity into it. The lock file stays in place when a
+//! save replaces the sculpture's own file. A lock file that nobody has locked was left by a killed program, and is
+//! taken over. Where no lock is possible, such as in a read-only folder, work continues without one.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Write};
@@ -12,15 +12,15 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde::{Deserialize, Serialize};
 
-/// The most bytes that are read of a lock file.
+/// Maximum number of bytes read of a lock file.
 const MOST_BYTES: u64 = 4096;
-/// How often a lock file that was removed meanwhile is made anew.
+/// Number of attempts to recreate a lock file that was removed meanwhile.
 const TRIES: usize = 8;
 
-/// The program that has a sculpture's file open, as far as it is known.
+/// The program that has a sculpture's file open, as far as known.
 #[derive(Clone, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
 pub struct Holder {
-    /// The number of its process.
+    /// Its process number.
     pub process: Option<u32>,
     /// The name of its computer.
     pub host: Option<String>,
@@ -39,13 +39,13 @@ impl Holder {
         }
     }
 
-    /// Reads the lock file at `path`. Returns an empty holder where the system does not let a locked file be read.
+    /// Reads the lock file at `path`. Returns an empty holder if the system does not let a locked file be read.
     fn read(path: &Path) -> Holder {
         let read = || -> io::Result<Holder> {
             let mut text = String::new();
             File::open(path)?.take(MOST_BYTES).read_to_string(&mut text)?;
             let mut holder: Holder = serde_json::from_str(&text)?;
-            // Anyone who may write to the folder may have written this.
+            // Anyone who can write to the folder may have written this.
             holder.host =
                 holder.host.map(|host| host.chars().filter(|c| !c.is_control()).take(64).collect());
             Ok(holder)
@@ -64,7 +64,7 @@ impl std::fmt::Display for Holder {
     }
 }
 
-/// A lock that this program holds. Given back when it is dropped.
+/// A lock that this program holds. Dropping it releases the lock.
 #[derive(Debug)]
 pub(super) struct FileLock {
     path: PathBuf,
@@ -73,7 +73,7 @@ pub(super) struct FileLock {
 }
 
 impl FileLock {
-    /// Writes who holds it, for others to tell.
+    /// Writes who holds the lock, for other programs.
     fn write_holder(&mut self) -> io::Result<()> {
         self.file.set_len(0)?;
         self.file.write_all(&serde_json::to_vec(&Holder::this_program())?)
@@ -82,7 +82,7 @@ impl FileLock {
 
 impl Drop for FileLock {
     fn drop(&mut self) {
-        // A lock file that cannot be removed is taken over by the next program.
+        // The next program takes over a lock file that cannot be removed.
         if let Err(error) = fs::remove_file(&self.path) {
             tracing::debug!("cannot remove {}: {error}", self.path.display());
         }
@@ -93,9 +93,9 @@ impl Drop for FileLock {
 #[derive(Debug)]
 pub(super) enum LockResult {
     Ours(FileLock),
-    /// Another program has it.
+    /// Another program holds the lock.
     Foreign(Holder),
-    /// There can be no lock: the reason was logged.
+    /// No lock is possible; the reason was logged.
     Without,
 }
 
@@ -117,7 +117,7 @@ pub(super) fn take(path: &Path) -> LockResult {
 
 fn try_take(path: &Path) -> io::Result<LockResult> {
     for _ in 0..TRIES {
-        // A link would lead to a file of somebody else, and a pipe would be waited for.
+        // Opening a link would reach another person's file, and opening a pipe would block.
         let former = match fs::symlink_metadata(path) {
             Ok(found) if !found.is_file() => return Err(io::Error::other("it is no file")),
             Ok(_) => true,
@@ -127,7 +127,7 @@ fn try_take(path: &Path) -> io::Result<LockResult> {
             OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path);
         let (file, may_write) = match opened {
             Ok(file) => (file, true),
-            // Of another person, perhaps: it tells all the same whether it is locked.
+            // It may belong to another person, but its lock can still be tested.
             Err(error) if former && error.kind() == io::ErrorKind::PermissionDenied => {
                 (File::open(path)?, false)
             }
@@ -138,7 +138,7 @@ fn try_take(path: &Path) -> io::Result<LockResult> {
             Err(TryLockError::WouldBlock) => return Ok(LockResult::Foreign(Holder::read(path))),
             Err(TryLockError::Error(error)) => {
                 if !former {
-                    // Best effort: the error that is returned says what matters.
+                    // Best effort: the returned error is the one that matters.
                     fs::remove_file(path).ok();
                 }
                 return Err(error);
@@ -163,7 +163,7 @@ fn try_take(path: &Path) -> io::Result<LockResult> {
     Err(io::Error::other("it is made and removed again and again"))
 }
 
-/// Whether the file that is open is still the one at `path`.
+/// Returns whether the open file is still the one at `path`.
 #[cfg(unix)]
 fn is_at(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
@@ -173,7 +173,7 @@ fn is_at(file: &File, path: &Path) -> bool {
     }
 }
 
-/// Whether the file that is open is still the one at `path`: no other can be made there before it is closed.
+/// Returns whether the open file is still the one at `path`: no other can be created there before it is closed.
 #[cfg(not(unix))]
 fn is_at(_: &File, path: &Path) -> bool {
     path.exists()

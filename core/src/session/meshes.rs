@@ -1,6 +1,7 @@
-//! Keeps data of the meshes that a session writes, and tracks how the sculpture changes from one to the next.
+//! Keeps data of the meshes that a session writes, and tracks the changes of the sculpture between them.
 //!
-//! Takes the document at the time of a save; gives a numbered version of its contents for the [`MeshCache`]. Makes no mesh.
+//! Takes the document at the time of a save; returns a numbered version of its contents for the [`MeshCache`]. Makes no
+//! mesh.
 
 use std::sync::Arc;
 
@@ -17,8 +18,8 @@ pub(super) struct KeptMeshes {
 }
 
 impl KeptMeshes {
-    /// The document as it is, for a mesh that is about to be written. Each version says what differs from the one before,
-    /// whether that was written or not.
+    /// Returns the version of the present document, for a mesh about to be written. Each version states the differences
+    /// from the one before, whether that was written or not.
     pub(crate) fn next_version(
         &mut self,
         document: &mut Document,
@@ -29,7 +30,7 @@ impl KeptMeshes {
         (Arc::clone(&self.cache), ContentsVersion { number: self.last, changed })
     }
 
-    /// Gives the memory of the last mesh back.
+    /// Releases the memory of the last mesh.
     pub fn clear(&self) {
         self.cache.clear();
     }

@@ -1,8 +1,9 @@
-//! The identities of the sculptures' files when the session read or wrote them, so that contents that another program
-//! has put there since are not overwritten unseen.
+//! The identities of the sculptures' files when the session read or wrote them, so that later contents from another
+//! program are not overwritten unnoticed.
 //!
-//! Length and hash count, not times: these are coarse on some disks, and programs that copy files set them. Only .vsc files
-//! are remembered; volumes are written for other programs, under names that are asked for each time. Writes no file.
+//! Length and hash count, not times: these are coarse on some disks, and programs that copy files set them. Only .vsc
+//! files are remembered; volumes are written for other programs, under names that are asked for each time. Writes no
+//! file.
 
 use std::collections::HashMap;
 use std::fs::{self, File};
@@ -20,20 +21,20 @@ pub struct FileIdentity {
 }
 
 impl FileIdentity {
-    /// That of the file at `path`; none if it cannot be read, or is no sculpture by its name.
+    /// Returns the identity of the file at `path`; `None` if it cannot be read or its name is not that of a sculpture.
     pub fn of(path: &Path) -> Option<FileIdentity> {
         if !format::is_sculpture(path) {
             return None;
         }
-        // A pipe would be waited for.
+        // Reading a pipe would block.
         let bytes = fs::metadata(path).ok().filter(|found| found.is_file())?.len();
         let hash = hash_of(path)
             .inspect_err(|error| tracing::warn!("cannot hash {}: {error}", path.display()));
         Some(FileIdentity { bytes, hash: hash.ok()? })
     }
 
-    /// Whether the file at `path` is still this one. Where it is gone, or no file, there is nothing to lose, so the
-    /// answer is yes. Where it cannot be read, its contents are unknown, so the answer is no.
+    /// Returns whether the file at `path` is still this one. True if it is gone or is no file, since nothing can be
+    /// lost. False if it cannot be read, since its contents are unknown.
     pub(crate) fn may_be_replaced(self, path: &Path) -> bool {
         match fs::metadata(path) {
             Ok(found) if found.is_file() => {
@@ -56,7 +57,7 @@ pub(super) struct OnDisk {
 }
 
 impl OnDisk {
-    /// Notes what the file at `path` is like; none forgets it.
+    /// Notes the identity of the file at `path`; `None` forgets it.
     pub fn learn(&mut self, path: &Path, identity: Option<FileIdentity>) {
         match identity {
             Some(identity) => self.known.insert(key(path), identity),
@@ -64,14 +65,14 @@ impl OnDisk {
         };
     }
 
-    /// The identity that the file at `path` had, if the session has read or written it.
+    /// Returns the identity that the file at `path` had when the session last read or wrote it, if it did.
     pub fn known(&self, path: &Path) -> Option<FileIdentity> {
         self.known.get(&key(path)).copied()
     }
 }
 
-/// A path that does not depend on how the folder was written. A link to a file is no other name for it: led
-/// elsewhere meanwhile, it leads to another file.
+/// Returns a path that does not depend on how the folder was written. A link is not resolved to its file: if it is
+/// redirected meanwhile, it leads to another file.
 pub(super) fn key(path: &Path) -> PathBuf {
     let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     let folder = absolute.parent().and_then(|folder| folder.canonicalize().ok());

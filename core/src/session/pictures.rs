@@ -1,7 +1,7 @@
-//! The images that a session has loaded for textures, by the bytes of their files.
+//! The images that a session has loaded for textures, as the bytes of their files.
 //!
 //! Loads them when a command needs them, and keeps the bytes for the journal, which holds images by content. The
-//! textures themselves are the document's. Writes no file.
+//! document owns the textures. Writes no file.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -12,14 +12,14 @@ use crate::command::Command;
 use crate::document::Document;
 use crate::format::{self, FormatError};
 
-/// The bytes of the images that are loaded, or were for the last stroke.
+/// The bytes of images that are loaded, or were loaded for the last stroke.
 #[derive(Debug, Default)]
 pub(super) struct Pictures {
     files: HashMap<PathBuf, Arc<[u8]>>,
 }
 
 impl Pictures {
-    /// The paths of the images that a command needs, loaded or not.
+    /// Returns the paths of the images that a command needs, loaded or not.
     pub fn needed(command: &Command, document: &Document) -> Vec<PathBuf> {
         match command {
             Command::Array { .. } => document.pictures_to_repeat().map(Path::to_path_buf).collect(),
@@ -27,8 +27,8 @@ impl Pictures {
         }
     }
 
-    /// Reads an image for the document, from `embedded` if a command has given its content. Returns the bytes of its
-    /// file.
+    /// Reads an image for the document, or takes it from `embedded` if a command has given its content. Returns the
+    /// bytes of its file.
     pub fn read(
         path: &Path,
         embedded: Option<&Arc<[u8]>>,
@@ -43,7 +43,7 @@ impl Pictures {
         Ok(file)
     }
 
-    /// Keeps the bytes of an image's file. Returns them; none if they are those of the last time.
+    /// Keeps the bytes of an image's file and returns them; `None` if they have not changed.
     pub fn keep(&mut self, path: &Path, file: Vec<u8>) -> Option<Arc<[u8]>> {
         let same = self.files.get(path).is_some_and(|known| known[..] == file[..]);
         let file: Arc<[u8]> = file.into();
@@ -51,7 +51,7 @@ impl Pictures {
         (!same).then_some(file)
     }
 
-    /// Gives an image to the document by the bytes of its file, and keeps them.
+    /// Gives an image to the document from the bytes of its file, and keeps them.
     pub fn restore(
         &mut self,
         path: PathBuf,
@@ -63,12 +63,12 @@ impl Pictures {
         Ok(())
     }
 
-    /// The bytes of an image's file, as they were last.
+    /// Returns the latest bytes of an image's file.
     pub fn file(&self, path: &Path) -> Option<Arc<[u8]>> {
         self.files.get(path).cloned()
     }
 
-    /// Images are read again with every stroke: the file may have been changed by then.
+    /// Makes every stroke read images again: a file may have changed.
     pub(crate) fn forget_at_stroke(&mut self, command: &Command, document: &mut Document) {
         if matches!(command, Command::Begin { .. }) && !document.stroke_open() {
             self.forget_unloaded(document);
@@ -81,7 +81,8 @@ impl Pictures {
         self.files.retain(|path, _| document.has_picture(path));
     }
 
-    /// The images that are loaded, which are all that a checkpoint holds: entries after it know no earlier ones.
+    /// Returns the loaded images. A checkpoint holds all of these and no others: entries after it know no earlier
+    /// images.
     pub fn loaded(&mut self, document: &Document) -> Vec<(PathBuf, Arc<[u8]>)> {
         self.forget_unloaded(document);
         self.files.iter().map(|(path, file)| (path.clone(), file.clone())).collect()

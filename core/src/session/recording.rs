@@ -1,7 +1,7 @@
-//! The recording of a session: a script that grows by a line with every command, so that a crash loses
-//! nothing and `run` reproduces the session anywhere: files that were opened and images are embedded.
-//! A command that the script cannot repeat, such as an undo of steps from before it began, becomes a checkpoint: the
-//! sculpture embedded as it is then, with clipboard and settings.
+//! The recording of a session: a script that grows by a line with every command, so that a crash loses nothing and
+//! `run` reproduces the session anywhere. Opened files and images are embedded. A command that the script cannot
+//! repeat, such as an undo of steps from before its beginning, becomes a checkpoint: the present sculpture embedded,
+//! with clipboard and settings.
 //!
 //! Non-empty files are never opened for writing, and a replay writes none. Knows no document.
 
@@ -27,23 +27,23 @@ const TITLE: &str = "# Recorded by Virtual Sculpture";
 pub(super) struct ScriptRecording {
     path: PathBuf,
     file: File,
-    /// Bytes of the lines that are whole.
+    /// Size in bytes of the complete lines.
     length: u64,
-    /// The images that are in it, as they were last.
+    /// The latest version of the images in it.
     pictures: HashMap<PathBuf, Vec<u8>>,
-    /// How many steps of the undo and the redo list, those furthest away, a replay does not have.
+    /// The number of steps of the undo and of the redo list that a replay lacks: those furthest away.
     missing: [usize; 2],
-    /// Whether a replay does not know what an array would repeat.
+    /// Whether a replay lacks the uses that an array would repeat.
     lacks_uses: bool,
-    /// Within a stroke, whether a tool was used in it.
+    /// Within a stroke: whether a tool was used in it.
     stroke: Option<bool>,
-    /// Whether something was done that the script does not repeat: only a checkpoint may follow.
+    /// Whether the script lacks a change, so that only a checkpoint may follow.
     is_behind: bool,
 }
 
 impl ScriptRecording {
-    /// Starts a recording with the command that reproduces the session's start.
-    /// `contents` and `texts` are those of the session, if it began with a file.
+    /// Starts a recording with the command that reproduces the session's start. `contents` and `texts`: of the session,
+    /// if it began with a file.
     pub fn begin(
         path: &Path,
         beginning: &Command,
@@ -96,8 +96,8 @@ impl ScriptRecording {
             .map_err(|error| SessionError::Journal { path: self.path.clone(), error })
     }
 
-    /// Whether only a checkpoint can follow, now that the command is executed. `left`: the steps of the undo and the
-    /// redo list afterwards.
+    /// Returns whether only a checkpoint can follow the executed command. `left`: the steps in the undo and the redo
+    /// list afterwards.
     pub(crate) fn needs_checkpoint(&mut self, command: &Command, left: [usize; 2]) -> bool {
         use Command::{Array, Begin, Cancel, End, Redo, Undo};
         self.is_behind |= match command {
@@ -121,12 +121,12 @@ impl ScriptRecording {
         self.is_behind
     }
 
-    /// Notes that something was done that the script does not repeat.
+    /// Notes a change that the script does not repeat.
     pub(crate) fn fall_behind(&mut self) {
         self.is_behind = true;
     }
 
-    /// Adds all of the session as it is now, but for its history, of which what follows knows nothing. `name`: of the
+    /// Adds the present state of the session without its history, which later lines cannot use. `name`: of the
     /// sculpture's file.
     pub(crate) fn write_checkpoint(
         &mut self,
@@ -137,7 +137,7 @@ impl ScriptRecording {
         if self.stroke.take().is_some() {
             self.write(&Command::Cancel, Applied::default())?;
         }
-        // Neither the limit nor the room in the history may keep a replay from it.
+        // A limit or a small history must not prevent the replay.
         for freed in
             [Command::Select(SelectOp::Clear), Command::Limit(false), Command::Irreversible(true)]
         {
@@ -159,7 +159,7 @@ impl ScriptRecording {
         Ok(())
     }
 
-    /// Adds that a file was opened, by its content.
+    /// Adds the opening of a file, by its content.
     pub(crate) fn write_opened(
         &mut self,
         path: &Path,
@@ -174,7 +174,7 @@ impl ScriptRecording {
         self.write(&Command::Open { path, import }, Applied::default())
     }
 
-    /// Adds an image that the next commands use, unless it is in it as it is.
+    /// Adds an image that the next commands use, unless the recording holds the same one.
     pub(crate) fn write_picture(&mut self, path: &Path, file: &[u8]) -> Result<(), SessionError> {
         let path = absolute(path);
         if self.pictures.get(&path).is_some_and(|known| known == file) {
@@ -185,12 +185,12 @@ impl ScriptRecording {
         Ok(())
     }
 
-    /// Writes a line at once. If there is no room for all of it, nothing of it stays.
+    /// Writes a line at once. If there is no room for all of it, removes the written part.
     fn write_line(&mut self, line: String) -> Result<(), Error> {
         let written = self.file.write_all(line.as_bytes());
         match written {
             Ok(()) => self.length += line.len() as u64,
-            // Devices and pipes cannot be cut; the error that matters is the first.
+            // Devices and pipes cannot be truncated; the first error is the one that matters.
             Err(_) => drop(self.file.set_len(self.length)),
         }
         written
@@ -201,10 +201,10 @@ fn absolute(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf())
 }
 
-/// The line that repeats a command. None if it had no effect.
+/// Returns the line that repeats a command; `None` if it had no effect.
 fn line_of(command: &Command, applied: Applied) -> Option<String> {
     Some(match command {
-        // A replay writes no file unless someone takes the mark of the comment away.
+        // A replay writes no file unless someone removes the comment sign.
         Command::Save { path, export } => {
             let save = Command::Save { path: absolute(path), export: *export };
             format!("# {save}\n")
@@ -216,7 +216,7 @@ fn line_of(command: &Command, applied: Applied) -> Option<String> {
             let absolute = command.picture().map(absolute).unwrap_or_default();
             format!("{}\n", command.clone().with_picture(absolute))
         }
-        // As many as there were: a replay has another one before them, that of the beginning.
+        // The actual number of steps: a replay has one more before them, the beginning.
         Command::Undo { .. } | Command::Redo { .. } if applied.steps == 0 => return None,
         Command::Undo { .. } => format!("{}\n", Command::Undo { steps: Some(applied.steps) }),
         Command::Redo { .. } => format!("{}\n", Command::Redo { steps: Some(applied.steps) }),

@@ -1,4 +1,4 @@
-//! Recordings replay, and write over nothing.
+//! Tests that recordings replay and overwrite nothing.
 
 use std::fs;
 
@@ -15,7 +15,7 @@ fn execute(session: &mut Session, line: &str) {
     session.execute(&line.parse().unwrap(), &()).unwrap_or_else(|e| panic!("{line}: {e}"));
 }
 
-/// Carries out a script as `run` does, over another sculpture.
+/// Executes a script as `run` does, over another sculpture.
 fn replay(script: &str) -> Session {
     let Command::New(new) = "new dims=3,3,3".parse().unwrap() else { panic!() };
     let mut session = Session::new(&new, Limits::default()).unwrap();
@@ -35,7 +35,7 @@ fn a_file_that_holds_something_is_refused_and_stays() {
     assert!(error.contains("own.vsc") && error.contains("is no recording"), "{error}");
     assert_eq!(fs::read(&own).unwrap(), sculpture);
 
-    // A second start with the same name.
+    // A second recording under the same name.
     let path = folder.path().join("first.sculpt");
     let mut first = session();
     first.record_to(&path).unwrap();
@@ -46,7 +46,7 @@ fn a_file_that_holds_something_is_refused_and_stays() {
     assert_eq!(fs::read(&path).unwrap(), recorded);
     assert!(matches!(first.record_to(&path), Err(SessionError::JournalLate)));
 
-    // An empty one is free, a folder is not.
+    // An empty file may be used; a folder may not.
     fs::write(folder.path().join("empty"), "").unwrap();
     session().record_to(&folder.path().join("empty")).unwrap();
     assert!(session().record_to(folder.path()).is_err());
@@ -64,7 +64,7 @@ fn a_replay_begins_with_the_same_sculpture_and_writes_no_file() {
     execute(&mut opened, "subtract cuboid at=4,4,4 half=2");
     execute(&mut opened, &format!("save {saved:?}"));
     execute(&mut opened, "subtract cuboid at=8,4,4 half=2");
-    // More than there is: in a replay there is one more, the opening.
+    // More steps than there are: a replay has one more, the opening.
     execute(&mut opened, "undo all");
     execute(&mut opened, "undo all");
     execute(&mut opened, "redo 1");
@@ -102,7 +102,7 @@ fn images_are_embedded_as_they_were_and_needed_no_more() {
     drop(folder);
     let again = replay(&text);
     assert_eq!(again.document().contents(), made.document().contents());
-    // A recording of the replay is the same script but for where it begins.
+    // A recording of the replay is the same script except for its beginning.
     let folder = tempfile::tempdir().unwrap();
     let copy = folder.path().join("copy.sculpt");
     let mut second = session();
@@ -174,7 +174,7 @@ fn what_a_session_without_a_file_began_with_is_recorded_too() {
     assert_eq!(again.document().contents(), made.document().contents());
 }
 
-/// A pipe whose reader goes takes no more, as a full disk does.
+/// A pipe whose reader is gone accepts no more data, like a full disk.
 #[cfg(unix)]
 #[test]
 fn a_recording_that_cannot_be_written_stops_no_work() {
@@ -185,7 +185,7 @@ fn a_recording_that_cannot_be_written_stops_no_work() {
     assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
     let reading = pipe.clone();
     let reader = std::thread::spawn(move || {
-        // Until the beginning has come.
+        // Reads until the beginning has arrived.
         let mut lines = BufReader::new(File::open(&reading).unwrap()).lines();
         lines.by_ref().take(2).collect::<Result<Vec<String>, _>>().unwrap()
     });
@@ -238,7 +238,7 @@ fn an_array_of_what_was_used_since_a_checkpoint_needs_no_other_one() {
             made.execute(&embed, &()).unwrap();
             execute(&mut made, "copy");
             execute(&mut made, "subtract cuboid at=4,9,4 half=2");
-            // A checkpoint, whose replay does not know the cuboid to repeat.
+            // Writes a checkpoint. Its replay does not know the cuboid to repeat.
             made.continue_recording(&mut first);
             let checkpoints = || {
                 let text = fs::read_to_string(&script).unwrap();

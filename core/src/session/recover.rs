@@ -1,4 +1,4 @@
-//! Replays a journal to a session that goes on where the one that wrote it ended.
+//! Replays a journal to a session that continues where the writing session ended.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -16,56 +16,56 @@ use crate::persist::journal::{Checkpoint, JournalEntry, JournalError, JournalRea
 use crate::progress::Progress;
 use crate::sculpture::history::State;
 
-/// A session that was brought back.
+/// A recovered session.
 #[derive(Debug)]
 pub struct Recovered {
-    /// It goes on where the lost one ended, with its undo and redo. It keeps no journal yet.
+    /// Continues where the lost session ended, with its undo and redo steps. It keeps no journal yet.
     pub session: Session,
-    /// How the replay went.
+    /// The report on the replay.
     pub report: RecoveryReport,
 }
 
-/// How the replay of a journal went.
+/// The outcome of a journal's replay.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct RecoveryReport {
     /// Entries since the checkpoint that were replayed.
     pub entries: u64,
-    /// Whether a stroke was in hand. It is an undo step, as far as it went.
+    /// Whether a stroke was open. It is now an undo step, as far as it went.
     pub in_stroke: bool,
-    /// Why the journal ends where it does.
+    /// The reason why the journal ends.
     pub ending: Ending,
-    /// Where the replay first led to something else than the session had, or could not go on.
+    /// The first difference between the replay and the lost session, or the reason why the replay could not continue.
     pub difference: Option<String>,
 }
 
-/// The contents of a journal, as far as they are known without a replay.
+/// The contents of a journal, as far as known without a replay.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Summary {
     /// The file of the sculpture, if it has one.
     pub path: Option<PathBuf>,
     /// Size in voxels.
     pub dims: [u32; 3],
-    /// How many voxels exist.
+    /// Number of existing voxels.
     pub voxels: u64,
-    /// Steps that can be undone.
+    /// Number of steps that can be undone.
     pub steps: u64,
     /// Whether the file, if there is one, lacks changes.
     pub modified: bool,
-    /// Whether nothing was changed, now or in any step: there is nothing to lose.
+    /// Whether nothing was changed, now or in any step, so that nothing can be lost.
     pub untouched: bool,
-    /// When the session began, in seconds since 1970 by the clock of then.
+    /// When the session began, in seconds since 1970 by the clock of that time.
     pub began_unix_s: u64,
     /// The process that wrote it.
     pub process: u32,
-    /// Why the journal ends where it does.
+    /// The reason why the journal ends.
     pub ending: Ending,
 }
 
-/// Brings the session of a journal back. `history_folder`: where undo steps go that memory has no room for, if the
-/// session that wrote it had such a place, or the limits allow one.
+/// Recovers the session of a journal. `history_folder`: the place for undo steps for which memory has no room, if the
+/// writing session had such a place or the limits allow one.
 ///
 /// # Errors
-/// If there is no whole checkpoint in it. Entries after the checkpoint are replayed as far as they can be.
+/// If it holds no complete checkpoint. Entries after the checkpoint are replayed as far as possible.
 pub fn recover(
     source: Source,
     limits: &Limits,
@@ -110,7 +110,7 @@ pub fn recover(
     }
     if session.document.stroke_open() {
         report.in_stroke = true;
-        // The history may have no room for it; then the stroke alone is lost.
+        // The history may have no room for the stroke; then only the stroke is lost.
         if session.document.apply(&Command::End).is_err() {
             session.document.apply(&Command::Cancel).map_err(|_| JournalError::Incomplete)?;
         }
@@ -118,7 +118,7 @@ pub fn recover(
     Ok(Recovered { session, report })
 }
 
-/// Reads what a journal holds.
+/// Reads the contents of a journal.
 ///
 /// # Errors
 /// As [`recover`].
@@ -183,7 +183,7 @@ pub fn summary(source: Source, limits: &Limits) -> Result<Summary, JournalError>
     })
 }
 
-/// A session that is brought back, entry by entry.
+/// A session that is recovered entry by entry.
 struct Replay {
     session: Session,
 }
@@ -197,7 +197,7 @@ impl Replay {
         let histories = histories.unwrap_or_default();
         let document = Document::restored(document, limits, histories.step_store())
             .map_err(|_| FormatError::Damaged("a setting of the session is refused"))?;
-        // A recording begins before anything is changed; this session is past that.
+        // A recording begins before any change; this session is past that.
         let beginning = Command::Undo { steps: Some(0) };
         let mut session = Session::with_document(document, beginning);
         session.histories = histories;
@@ -208,7 +208,7 @@ impl Replay {
         Ok(Replay { session })
     }
 
-    /// Repeats an entry, without a look at any file. Returns what differs from what the session had then.
+    /// Repeats an entry without reading any file. Returns the difference from the lost session, if there is one.
     fn repeat(&mut self, entry: JournalEntry) -> Result<Option<String>, SessionError> {
         let session = &mut self.session;
         match entry {
@@ -250,7 +250,7 @@ impl Replay {
     }
 }
 
-/// How a document differs from what the session had, if it does.
+/// Returns how a document differs from the lost session, if it does.
 fn difference(document: &Document, mark: Mark) -> Option<String> {
     let now = Mark::of(document);
     let State { sculpture, number } = mark.state;

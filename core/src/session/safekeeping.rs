@@ -1,7 +1,7 @@
-//! Keeps the work of a session safe, as its owner switches on: the journal, the undo histories on the
+//! The protection of a session's work, for its owner to switch on and to query: the journal, the undo histories on
 //! disk, and the locks of the sculptures' files.
 //!
-//! Passes on to the types that own these (`JournalKeeper`, `Histories`, `Access`), with the parts of the session that
+//! Delegates to the types that own these (`JournalKeeper`, `Histories`, `Access`), with the parts of the session that
 //! they need. Executes no command.
 
 use std::path::{Path, PathBuf};
@@ -19,9 +19,10 @@ use crate::persist::journal::{JournalEntry, JournalOptions};
 use crate::persist::saved_history::{FoundHistory, SavedHistoryOptions};
 use crate::sculpture::history::StepStore;
 
-/// The journal.
+/// Methods for the journal.
 impl Session {
-    /// Begins a journal with what the session is now. It is removed when the session ends with everything saved.
+    /// Begins a journal with the present state of the session. It is removed when the session ends with everything
+    /// saved.
     ///
     /// # Errors
     /// If no thread can be made. Problems with files are reported by [`Session::take_journal_message`].
@@ -36,66 +37,66 @@ impl Session {
         SessionParts { document, files, pictures }
     }
 
-    /// The journal, and the parts of the session that a checkpoint holds; none if no journal is kept.
+    /// Returns the journal and the parts of the session that a checkpoint holds; `None` if no journal is kept.
     pub(super) fn journal_and_parts(&mut self) -> Option<(&mut JournalKeeper, SessionParts<'_>)> {
         let Session { document, files, pictures, journal, .. } = self;
         Some((journal.as_mut()?, SessionParts { document, files, pictures }))
     }
 
-    /// Whether a journal is kept, on the disk or still without room there.
+    /// Returns whether a journal is kept, on disk or still without room there.
     pub fn keeps_journal(&self) -> bool {
         self.journal.is_some()
     }
 
-    /// The number of the journal on its shelf, once it has one.
+    /// Returns the number of the journal on its shelf, once it has one.
     pub fn journal_number(&self) -> Option<u64> {
         self.journal.as_ref()?.writer().number()
     }
 
-    /// The journal's file, once it has one.
+    /// Returns the journal's file, once it has one.
     pub fn journal_path(&self) -> Option<PathBuf> {
         self.journal.as_ref()?.path()
     }
 
-    /// Returns the message for the user on the journal, once: that it cannot be written, or can be again.
+    /// Returns the message for the user on the journal, once: it cannot be written, or can be written again.
     pub fn take_journal_message(&self) -> Option<String> {
         self.journal.as_ref()?.writer().take_message()
     }
 
-    /// The reason why commands are not in the journal, with a remedy, for as long as that lasts.
+    /// Returns the reason why commands are not in the journal, with a remedy, as long as that lasts.
     pub fn journal_trouble(&self) -> Option<String> {
         self.journal.as_ref()?.writer().trouble()
     }
 
-    /// Waits until what was done is in the journal's file: after that not even a kill loses it.
+    /// Waits until all changes are in the journal's file. After that, not even a kill loses them.
     pub fn wait_for_journal(&self) {
         if let Some(journal) = &self.journal {
             journal.writer().wait_written();
         }
     }
 
-    /// Puts what was done on the disk. Whether all of it is there, and not even a power cut loses it.
+    /// Writes all changes to the disk. Returns whether all of them are there, so that not even a power cut loses them.
     pub fn secure_in_journal(&self) -> bool {
         self.sync_journal();
         self.journal.as_ref().is_some_and(|journal| journal.writer().is_complete())
     }
 
-    /// Waits until what was done is on the disk: after that not even a power cut loses it.
+    /// Waits until all changes are on the disk. After that, not even a power cut loses them.
     pub fn sync_journal(&self) {
         if let Some(journal) = &self.journal {
             journal.writer().wait_synced();
         }
     }
 
-    /// Ends the journal and removes it: its contents are saved or not wanted.
+    /// Ends the journal and removes it: its contents are saved or unwanted.
     pub fn discard_journal(&mut self) {
         if let Some(journal) = self.journal.take() {
             journal.end(true);
         }
     }
 
-    /// Gives the journal a checkpoint if it wants one. To be called now and then while nothing is executed, so that
-    /// a journal that could not be written catches up.
+    /// Gives the journal a checkpoint if it wants one. Call this now and then between commands, so that a journal that
+    /// could not be written catches up.
     pub fn attend_journal(&mut self) {
         if let Some((journal, parts)) = self.journal_and_parts() {
             journal.attend(parts);
@@ -110,11 +111,11 @@ impl Session {
     }
 }
 
-/// The undo histories on the disk.
+/// Methods for the undo histories on disk.
 impl Session {
-    /// Gives undo steps that memory has no room for to a file in this folder, up to
-    /// [`Limits::history_disk_bytes`](crate::document::Limits::history_disk_bytes); nothing if that is 0. The file goes
-    /// with the session.
+    /// Moves undo steps for which memory has no room to a file in this folder, up to
+    /// [`Limits::history_disk_bytes`](crate::document::Limits::history_disk_bytes); does nothing if that is 0. The file
+    /// is removed with the session.
     ///
     /// # Errors
     /// If no thread can be made. Problems with files are reported by [`Session::take_history_message`].
@@ -126,15 +127,15 @@ impl Session {
         Ok(())
     }
 
-    /// Returns the message for the user on the history on disk or on those of saved files: that they cannot be written,
-    /// or can be again. Each is returned once.
+    /// Returns the message for the user on the history on disk or on those of saved files: they cannot be written, or
+    /// can be written again. Returns each message once.
     pub fn take_history_message(&self) -> Option<String> {
         self.histories.take_message()
     }
 
-    /// Keeps the undo histories of the files that are saved from now on, and goes on with those of the files that are
-    /// opened. If the session began with a file, with that of this file, too: to be called before a journal or a
-    /// recording begins, and after [`Session::keep_history_in`].
+    /// Keeps the undo histories of the files that are saved from now on, and continues with those of the files that are
+    /// opened, including the file that the session began with. Call this before a journal or a recording begins, and
+    /// after [`Session::keep_history_in`].
     pub fn keep_saved_histories(&mut self, options: SavedHistoryOptions) {
         self.histories.keep_saved(options);
         let history = self.document.history();
@@ -148,12 +149,12 @@ impl Session {
         }
     }
 
-    /// Goes on with the history of the file that has just been opened.
+    /// Continues with the history of the file that has just been opened.
     pub(super) fn go_on_with(&mut self, found: FoundHistory) {
         if !self.histories.adopt(found, &mut self.document, &mut self.files) {
             return;
         }
-        // Neither a journal nor a recording can repeat it: they go on from what is now.
+        // Neither a journal nor a recording can repeat it: they continue from the present state.
         if let Some(recording) = &mut self.recording {
             recording.fall_behind();
         }
@@ -162,18 +163,18 @@ impl Session {
         }
     }
 
-    /// All steps with what they have led to, and where those of them lie that memory has no room for; none within a
-    /// stroke.
+    /// Returns all steps with the state that they led to, and the store of those for which memory has no room; `None`
+    /// within a stroke.
     pub fn steps(&self) -> Option<(DocumentSnapshot, Option<Arc<dyn StepStore>>)> {
         Some((self.document.snapshot()?, self.histories.step_store()))
     }
 
-    /// How the histories of saved files are kept, if they are.
+    /// Returns how the histories of saved files are kept, if they are.
     pub fn saved_history_options(&self) -> Option<&SavedHistoryOptions> {
         self.histories.saved().map(|saved| saved.options())
     }
 
-    /// Waits until the history of the file that was saved last is written.
+    /// Waits until the history of the last saved file is written.
     pub fn wait_for_saved_history(&self) {
         if let Some(saved) = self.histories.saved() {
             saved.wait();
@@ -181,46 +182,46 @@ impl Session {
     }
 }
 
-/// The sculptures' files, which other programs may have open or change.
+/// Methods for the sculptures' files, which other programs may have open or change.
 impl Session {
-    /// Changes how files are treated from now on, that of the present sculpture included.
+    /// Changes how files are treated from now on, including the present sculpture's file.
     pub fn set_file_access(&mut self, mode: FileAccess) {
         self.access.set_mode(mode, self.files.path(self.document.state()));
     }
 
-    /// How files are treated.
+    /// Returns how files are treated.
     pub fn file_access(&self) -> FileAccess {
         self.access.mode()
     }
 
-    /// The other program that has the present sculpture's file open, if there is one. Returned once.
+    /// Returns the other program that has the present sculpture's file open, if there is one. Reports it once.
     pub fn take_foreign_holder(&mut self) -> Option<Holder> {
         self.access.take_foreign_holder()
     }
 
-    /// Whether the present sculpture's file is not to be overwritten.
+    /// Returns whether the present sculpture's file must not be overwritten.
     pub fn is_read_only(&self) -> bool {
         self.path().is_some_and(|path| self.access.is_read_only(path))
     }
 
-    /// Does not overwrite the present sculpture's file from now on.
+    /// Protects the present sculpture's file from being overwritten from now on.
     pub fn keep_read_only(&mut self) {
         if let Some(path) = self.files.path(self.document.state()) {
             self.access.keep_read_only(path);
         }
     }
 
-    /// The person has been told that another program has changed the file at `path`, and wants it replaced as it was
-    /// found then ([`SessionError::ChangedOnDisk`](super::SessionError::ChangedOnDisk)): the next
-    /// [`Command::Save`](crate::command::Command::Save) does so, unless it has changed once more.
+    /// Accepts that another program has changed the file at `path`: the person has been told and wants it replaced as
+    /// it was found then ([`SessionError::ChangedOnDisk`](super::SessionError::ChangedOnDisk)). The next
+    /// [`Command::Save`](crate::command::Command::Save) does so, unless the file has changed once more.
     pub fn accept_change_on_disk(&mut self, path: &Path, found: Option<FileIdentity>) {
         self.on_disk.learn(path, found);
     }
 
-    /// Makes the present sculpture a copy of its file, which has no file yet and so is not saved.
+    /// Makes the present sculpture a copy, which has no file yet and so counts as unsaved.
     pub fn become_copy(&mut self) {
         self.files.forget(self.document.state());
-        // No command has done this: the journal goes on from a checkpoint.
+        // No command has done this: the journal continues from a checkpoint.
         if let Some(journal) = &mut self.journal {
             journal.note_gap();
         }
@@ -228,7 +229,7 @@ impl Session {
         self.follow_file();
     }
 
-    /// Locks the file of the present sculpture, and gives back the lock of any other.
+    /// Locks the file of the present sculpture, and releases the lock of any other.
     pub(super) fn follow_file(&mut self) {
         self.access.follow(self.files.path(self.document.state()));
     }

@@ -1,4 +1,4 @@
-//! Sessions with files and pictures.
+//! Tests sessions with files and pictures.
 
 use super::*;
 use crate::sculpture::{ColourDepth, Rgb};
@@ -27,7 +27,7 @@ fn a_picture_is_read_anew_with_every_stroke() {
         let contents = session.document().contents();
         assert_eq!(contents.rgb(glam::UVec3::splat(8)).0, rgb);
     }
-    // An empty stroke forgets the picture, but not that it was used.
+    // An empty stroke forgets the picture, but not its use.
     for line in ["begin", "end", "array count=1 step=4,0,0"] {
         session.execute(&line.parse().unwrap(), &()).unwrap();
     }
@@ -53,7 +53,7 @@ fn ball(voxels: u32) -> Session {
     Session::new(&new, Limits::default()).unwrap()
 }
 
-/// Opened and saved files alike, whatever the path is written like.
+/// Opened and saved files behave alike, however the path is written.
 #[test]
 fn a_file_that_another_program_has_changed_is_not_overwritten() {
     let folder = tempfile::tempdir().unwrap();
@@ -75,14 +75,14 @@ fn a_file_that_another_program_has_changed_is_not_overwritten() {
         assert!(error.to_string().contains("another program"), "{error}");
         assert_eq!(std::fs::read(&path).unwrap(), mine);
     }
-    // The session that wrote it last may go on, and another name is free.
+    // The session that wrote it last may continue, and another name is free.
     execute(&mut saved, &save).unwrap();
     execute(&mut saved, &save).unwrap();
     let copy = folder.path().join("copy.vsc");
     execute(&mut opened, &format!("save {copy:?}")).unwrap();
     assert_eq!(std::fs::read(&copy).unwrap(), foreign);
 
-    // One byte of another value, and a time as it was.
+    // One byte differs, and the time is the former one.
     let time = std::fs::metadata(&path).unwrap().modified().unwrap();
     let mut damaged = mine.clone();
     *damaged.last_mut().unwrap() ^= 1;
@@ -90,12 +90,12 @@ fn a_file_that_another_program_has_changed_is_not_overwritten() {
     std::fs::File::options().write(true).open(&path).unwrap().set_modified(time).unwrap();
     execute(&mut saved, &save).unwrap_err();
     assert_eq!(std::fs::read(&path).unwrap(), damaged);
-    // The same bytes again, written later, are no change.
+    // The same bytes, written again later, are no change.
     std::fs::write(&path, &mine).unwrap();
     execute(&mut saved, &save).unwrap();
 }
 
-/// The triangles of an .stl file, in an order of their own.
+/// Returns the triangles of an .stl file in a normalised order.
 fn triangles_in(path: &Path) -> Vec<Vec<u8>> {
     let bytes = std::fs::read(path).unwrap();
     let mut all: Vec<Vec<u8>> = bytes[84..].chunks(50).map(<[u8]>::to_vec).collect();
@@ -143,7 +143,7 @@ fn a_change_on_disk_that_is_accepted_is_overwritten_once() {
     };
     std::fs::write(&path, "of another program").unwrap();
     let found = refused(&mut session);
-    // It changes once more while the person thinks, and again before it is written.
+    // The file changes once more while the person decides, and again before it is written.
     for change in ["while one thinks", "once more"] {
         session.accept_change_on_disk(&path, found);
         std::fs::write(&path, change).unwrap();
@@ -155,11 +155,11 @@ fn a_change_on_disk_that_is_accepted_is_overwritten_once() {
     assert_eq!(std::fs::read(&path).unwrap(), mine);
     std::fs::write(&path, "again").unwrap();
     execute(&mut session, &save).unwrap_err();
-    // A file that is gone is written anew.
+    // A file that is gone is written again.
     std::fs::remove_file(&path).unwrap();
     execute(&mut session, &save).unwrap();
     assert_eq!(std::fs::read(&path).unwrap(), mine);
-    // Opening the file again is knowing it, and undo leads back to the sculpture but not to its old file.
+    // Opening the file again makes it known; undo leads back to the sculpture but not to its old file.
     execute(&mut ball(16), &save).unwrap();
     execute(&mut session, &format!("open {path:?}")).unwrap();
     execute(&mut session, &save).unwrap();

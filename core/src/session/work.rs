@@ -1,5 +1,5 @@
-//! The long part of commands: reading, writing, creating, rotating and mending a sculpture. It needs no session, so
-//! that it can run on another thread while a window shows the present sculpture.
+//! The long part of commands: reading, writing, creating, rotating and repairing a sculpture. It needs no session, so
+//! it can run on another thread while a window shows the present sculpture.
 //!
 //! [`Session::prepare`](super::Session::prepare) returns a [`Work`], [`Work::run`] runs it, and
 //! [`Session::complete`](super::Session::complete) applies the result.
@@ -51,11 +51,11 @@ pub(super) enum Task {
     },
     Open {
         path: PathBuf,
-        /// Its content, if that is embedded: a .vsc file.
+        /// Its content, if it is embedded: a .vsc file.
         embedded: Option<Arc<[u8]>>,
         import: ImportOptions,
         limits: Limits,
-        /// Where its undo history may be.
+        /// The place where its undo history may be.
         histories: Option<Arc<SavedHistories>>,
     },
     Save {
@@ -64,14 +64,14 @@ pub(super) enum Task {
         known: Option<FileIdentity>,
         export: ExportOptions,
         contents: Arc<Contents>,
-        /// The cache of the last mesh, if a mesh is to be written, and how the contents differ from it.
+        /// The cache of the last mesh, if a mesh is written, and how the contents differ from it.
         meshes: Option<(Arc<MeshCache>, ContentsVersion)>,
         texts: Texts,
         limits: Limits,
         state: State,
         /// Whether the session holds its lock.
         is_held: bool,
-        /// The undo history, if it is to be kept.
+        /// The undo history, if it is kept.
         steps: Option<KeptSteps>,
     },
 }
@@ -81,20 +81,20 @@ pub(super) enum Task {
 pub struct Done {
     pub(super) command: Command,
     pub(super) outcome: Outcome,
-    /// How long it took.
+    /// The duration of the work.
     pub(super) took: Duration,
 }
 
 #[derive(Debug)]
 pub(super) enum Outcome {
     New(Box<Contents>),
-    /// `state`: of the document that they were made from.
+    /// `state`: of the document that they were computed from.
     Oriented {
         orientation: Orientation,
         contents: Box<Contents>,
         state: State,
     },
-    /// `state`: of the document that it was made for.
+    /// `state`: of the document that it was computed for.
     Repaired {
         repair: Repair,
         plan: RepairPlan,
@@ -137,11 +137,11 @@ impl Work {
                 let read = format::read_embedded(&file, &limits, progress);
                 let failed = |error| SessionError::Open { path: path.clone(), error };
                 let loaded = Box::new(read.map_err(failed)?);
-                // The file at its path need not be the one that was embedded.
+                // The file at its path may differ from the embedded one.
                 Outcome::Opened { path, loaded, identity: None, history: FoundHistory::Nothing }
             }
             Task::Open { path, embedded: None, import, limits, histories } => {
-                // Before it is read: a change meanwhile is then one that the session does not know.
+                // Computed before reading: the session then does not know of a change made meanwhile.
                 let identity = FileIdentity::of(&path);
                 let loaded = Box::new(load(&path, &import, &limits, progress)?);
                 let history =
@@ -190,7 +190,7 @@ impl Work {
 }
 
 impl Done {
-    /// The command that was done.
+    /// Returns the command that was executed.
     pub fn command(&self) -> &Command {
         &self.command
     }

@@ -1,5 +1,5 @@
-//! Drawn solids: their voxels are those of their definition and of equivalent solids, at any border, in empty and in
-//! full grids, mirrored, and undone.
+//! Tests drawn solids: their voxels match their definition and equivalent solids, at any border, in empty and in full
+//! grids, mirrored, and undone.
 
 use std::fs;
 use std::path::Path;
@@ -15,7 +15,7 @@ use sculpture_core::tools::symmetry::{Parity, Symmetry, SymmetryTransform};
 
 use super::strategies::{new_sculpture, op, rotation};
 
-/// Every drawn solid, with places and directions of `place`, and lengths and other numbers of `number`.
+/// Generates every drawn solid, with positions and directions of `place`, and lengths and other numbers of `number`.
 pub fn drawn_solid(
     place: impl Strategy<Value = Vec3> + 'static,
     number: impl Strategy<Value = f32> + 'static,
@@ -94,7 +94,7 @@ fn set(field: FieldValue, given: Given) {
     }
 }
 
-/// Drawn solids that suit a sculpture of 24 voxels; some are refused.
+/// Generates drawn solids that suit a sculpture of 24 voxels; some are refused.
 pub fn small_drawn_solid() -> BoxedStrategy<DrawnSolid> {
     drawn_solid(prop::array::uniform3(-6f32..30.0).prop_map(Vec3::from), 0.2f32..14.0)
 }
@@ -174,7 +174,7 @@ proptest! {
         prop_assert_eq!(document.contents(), &before);
     }
 
-    /// The same voxels as those of other solids and by other formulas.
+    /// The voxels equal those of other solids and of other formulas.
     #[test]
     fn drawn_solids_are_like_the_solids_in_a_box_that_they_are_named_after(
         at in prop::array::uniform3(5f32..35.0),
@@ -296,7 +296,7 @@ fn what_is_no_drawn_solid_is_refused_with_a_reason() {
     }
 }
 
-/// The manual of scripts explains each as its description does, but for the turn.
+/// The manual of scripts explains each drawn solid as its description does, except for the rotation argument.
 #[test]
 fn the_manual_has_a_row_for_every_drawn_solid() {
     let manual = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/scripting.md");

@@ -1,4 +1,4 @@
-//! Every tool in edge cases: on empty and full grids, at borders, in corners and outside, with no strength.
+//! Tests every tool in edge cases: on empty and full grids, at borders, in corners and outside, and with no strength.
 
 use glam::{UVec3, Vec3};
 use sculpture_core::command::{Command, NewSculpture};
@@ -9,10 +9,10 @@ use sculpture_core::tools::texture::Texture;
 
 use super::uses::{self, Place};
 
-/// Where sweeps end.
+/// The point where sweeps end.
 const FURTHER_VX: Vec3 = Vec3::new(33.0, 11.0, 9.0);
 
-/// Uses with other arguments than in [`uses`], with `@` where they are and `%` a little further.
+/// Uses with other arguments than in [`uses`]: `@` stands for their position, `%` for a point a little further.
 const FURTHER_USES: &[&str] = &[
     "subtract ellipsoid at=@ half=6 to=%",
     "subtract torus at=@ half=8,3,8 turn=30,0,0 to=%",
@@ -26,7 +26,7 @@ const FURTHER_USES: &[&str] = &[
     "deform twist at=@ radius=9 normal=1,3,2 angle=70",
 ];
 
-/// The uses of every tool at a place.
+/// Returns the uses of every tool at a place.
 fn uses_at(at_vx: Vec3) -> Vec<Command> {
     let text = |v: Vec3| format!("{},{},{}", v.x, v.y, v.z);
     let line = |line: &&str| line.replace('@', &text(at_vx)).replace('%', &text(FURTHER_VX));
@@ -87,7 +87,7 @@ const CLAY: &[&str] = &[
     "mask add cuboid at=36,16,24 half=5",
 ];
 
-/// Whether a use may make something of nothing.
+/// Returns whether a use may create voxels in empty space.
 fn makes(command: &Command) -> bool {
     match command {
         Command::Construct { op, .. } | Command::DrawnSolid { op, .. } => {

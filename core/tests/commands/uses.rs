@@ -1,5 +1,5 @@
-//! A use of every tool, made from the descriptions: a solid, a drawn solid or a brush that is added to its list is among
-//! them.
+//! Uses of every tool, made from the descriptions. A solid, drawn solid or brush that is added to its list is included
+//! automatically.
 
 use glam::{EulerRot, Quat, Vec3};
 use sculpture_core::command::{Command, MaskArea, MaskChange};
@@ -15,9 +15,9 @@ use sculpture_core::tools::solid::{Primitive, Solid};
 /// Half extents of solids, in voxels.
 const HALF_VX: Vec3 = Vec3::new(7.0, 5.0, 6.0);
 const SIZE_VX: f32 = 8.0;
-/// Radius of brushes that work in a ball, in voxels, and of those with rays, in rays.
+/// Radius of brushes that work in a ball, in voxels, and of brushes with rays, in rays.
 const RADIUS: f32 = 9.0;
-/// How far apart rays are, where the direction in which they aim ends.
+/// Distance between rays at the end of the aim vector.
 const RAY: f32 = 0.1;
 const OUT: Vec3 = Vec3::new(1.0, 3.0, 2.0);
 /// The name of the picture that some uses need.
@@ -32,22 +32,22 @@ pub const OPS: [EditOp; 4] = [
     EditOp::Recolour(Rgb::new(0, 255, 0)),
 ];
 
-/// The place where tools are used.
+/// A place where tools are used.
 #[derive(Clone, Copy, Debug)]
 pub struct Place {
-    /// The middle of solids.
+    /// The centre of solids.
     pub at_vx: Vec3,
-    /// The middle of the balls of brushes.
+    /// The centre of the balls of brushes.
     pub ball_vx: Vec3,
-    /// Where sweeps end.
+    /// The point where sweeps end.
     pub further_vx: Vec3,
-    /// Where the rays of brushes start.
+    /// The point where the rays of brushes start.
     pub eye_vx: Vec3,
-    /// Where they go.
+    /// The direction of the rays.
     pub aim: Vec3,
 }
 
-/// The uses of all tools that may change voxels or the mask.
+/// Returns the uses of all tools that may change voxels or the mask.
 pub fn of_every_tool(place: &Place) -> Vec<Command> {
     let mut uses = of_solids(place);
     uses.extend(of_drawn_solids(place.at_vx));
@@ -55,7 +55,7 @@ pub fn of_every_tool(place: &Place) -> Vec<Command> {
     uses
 }
 
-/// Every solid, in its place and swept, with every operation, on the mask, and with a picture.
+/// Returns every solid, in place and swept, with every operation, on the mask, and with a picture.
 fn of_solids(place: &Place) -> Vec<Command> {
     let Place { at_vx, further_vx, .. } = *place;
     let of = |solid: Solid| {
@@ -70,7 +70,7 @@ fn of_solids(place: &Place) -> Vec<Command> {
     Solid::ALL.into_iter().flat_map(of).collect()
 }
 
-/// Every drawn solid, with every operation and on the mask.
+/// Returns every drawn solid, with every operation and on the mask.
 fn of_drawn_solids(at_vx: Vec3) -> Vec<Command> {
     let of = |drawn: DrawnSolid| {
         let edits = OPS.map(|op| Command::DrawnSolid { op, drawn: drawn.clone() });
@@ -79,7 +79,7 @@ fn of_drawn_solids(at_vx: Vec3) -> Vec<Command> {
     drawn_solids(at_vx, SIZE_VX).flat_map(of).collect()
 }
 
-/// The example of every drawn solid. Its points must not be further than solids may be.
+/// Returns the example of every drawn solid. Its points must not be further away than solids may be.
 pub fn drawn_solids(at_vx: Vec3, size: f32) -> impl Iterator<Item = DrawnSolid> {
     let furthest = Vec3::splat(FURTHEST_VX - 2.0 * size);
     let pose = SolidPose { at_vx: at_vx.clamp(-furthest, furthest), rotation: turn() };
@@ -94,7 +94,7 @@ fn turn() -> Quat {
     Quat::from_euler(EulerRot::XYZEx, 0.2, 0.4, 0.6)
 }
 
-/// A brush with what a script need not say; in both senses if it has two.
+/// Returns a brush with the arguments that a script requires; in both senses if it has two.
 fn of_brush(brush: BrushId, place: &Place) -> Vec<Command> {
     let spec = brush.spec();
     let has_sense = spec.params().iter().any(has_sense);
@@ -104,13 +104,13 @@ fn of_brush(brush: BrushId, place: &Place) -> Vec<Command> {
         for param in spec.params().iter().filter(|param| param.omitted == Omitted::Required) {
             used.set_value(param.key, value(param, *sense));
         }
-        // Read as from a script, which completes what it does not say.
+        // Read as from a script, which fills in the defaults.
         Some(Command::Brush(used).to_string().parse().unwrap())
     };
     senses.iter().filter_map(used).collect()
 }
 
-/// Whether a use of a brush changes the mask alone.
+/// Returns whether a use of a brush changes only the mask.
 pub fn is_of_mask(command: &Command) -> bool {
     match command {
         Command::Mask(_) => true,
@@ -119,7 +119,7 @@ pub fn is_of_mask(command: &Command) -> bool {
     }
 }
 
-/// Every brush that has a measure of its effect, with none of it.
+/// Returns every brush that has a measure of its effect, with that measure at 0.
 pub fn without_strength(place: &Place) -> Vec<Command> {
     let none = |brush: &BrushId| {
         let spec = brush.spec();
@@ -135,7 +135,7 @@ pub fn without_strength(place: &Place) -> Vec<Command> {
     BrushId::ALL.iter().filter_map(none).collect()
 }
 
-/// Parameters that say how much is done, with 0 for nothing.
+/// Parameters that measure the effect; 0 means none.
 const MEASURES: &[&str] = &["strength", "cover", "height", "angle"];
 
 fn contact(kind: ContactKind, place: &Place) -> Contact {

@@ -1,9 +1,9 @@
 //! A parsed line of the text form: a verb, words and `key=value` pairs, which commands take one by one.
 //!
 //! A word in double quotes is the text between them, backslashes included, so that `"C:\dir\new.vsc"` names that file.
-//! A word that holds double quotes, line ends or bytes that are not text is written `e"..."`; in it `\"`, `\\`, `\n`,
-//! `\r`, `\t` and `\xNN` (one byte, in hexadecimal) stand for the bytes that they name. Keys are read in American
-//! spelling, too. Knows no command.
+//! A word with double quotes, line ends or bytes that are not text is written `e"..."`; in it, `\"`, `\\`, `\n`, `\r`,
+//! `\t` and `\xNN` (one byte, in hexadecimal) stand for the bytes that they name. American spellings of keys are also
+//! read. Knows no command.
 
 use std::collections::VecDeque;
 use std::ffi::OsString;
@@ -20,7 +20,7 @@ pub struct Arguments {
     pairs: Vec<(String, String)>,
 }
 
-/// A word that is a value by itself. Quoted ones may hold any bytes.
+/// A word that is a value by itself. Quoted words may hold any bytes.
 type Word = Vec<u8>;
 
 impl Arguments {
@@ -60,7 +60,7 @@ impl Arguments {
         Ok(Arguments { verb: british(&text(verb)?), words, pairs })
     }
 
-    /// The next word, which `what` describes.
+    /// Takes the next word, which `what` describes.
     pub fn word(&mut self, what: &str) -> Result<String, ParseError> {
         self.optional_word()?.ok_or_else(|| self.lacks(what))
     }
@@ -70,7 +70,7 @@ impl Arguments {
         self.words.pop_front().map(text).transpose()
     }
 
-    /// The next word as a file name, in whatever bytes the system allows.
+    /// Takes the next word as a file name, with any bytes that the system allows.
     pub fn path(&mut self) -> Result<PathBuf, ParseError> {
         let word = self.words.pop_front().ok_or_else(|| self.lacks("a file name"))?;
         path_from_bytes(word).map(PathBuf::from)
@@ -80,7 +80,7 @@ impl Arguments {
         ParseError(format!("`{}` needs {what}", self.verb))
     }
 
-    /// Takes the value of `key` and parses it; an error if it is missing.
+    /// Takes and parses the value of `key`; returns an error if it is missing.
     pub fn required<T>(
         &mut self,
         key: &str,
@@ -89,7 +89,7 @@ impl Arguments {
         self.optional(key, parse)?.ok_or_else(|| self.lacks(&format!("`{key}=`")))
     }
 
-    /// Takes the value of `key`, if there is one, and parses it.
+    /// Takes and parses the value of `key`, if there is one.
     pub(crate) fn optional<T>(
         &mut self,
         key: &str,
@@ -100,7 +100,7 @@ impl Arguments {
         parse(&value).map(Some).map_err(|error| ParseError(format!("{key}={value}: {error}")))
     }
 
-    /// Refuses arguments that nobody has taken.
+    /// Returns an error if arguments are left.
     pub fn finish(self) -> Result<(), ParseError> {
         let pair = self.pairs.first().map(|(key, _)| format!("{key}="));
         let word = || self.words.front().map(|w| String::from_utf8_lossy(w).into_owned());
@@ -116,7 +116,7 @@ fn text(word: Word) -> Result<String, ParseError> {
         .map_err(|error| ParseError(format!("{:?} is not UTF-8", error.into_bytes().as_slice())))
 }
 
-/// A verb or a key as commands know it: `color`, `coloring` and `recolor` are read as their British spellings.
+/// Returns a verb or a key in British spelling: `color`, `coloring` and `recolor` are also read.
 fn british(word: &str) -> String {
     match word {
         "color" | "coloring" | "recolor" => word.replace("color", "colour"),
@@ -124,7 +124,7 @@ fn british(word: &str) -> String {
     }
 }
 
-/// Reads a text without escapes up to the closing quote; gives the word and the text after it.
+/// Reads a text without escapes up to the closing quote. Returns the word and the text after it.
 fn unquote(text: &str) -> Result<(Word, &str), ParseError> {
     match text.split_once('"') {
         Some((word, after)) => Ok((word.into(), after)),
@@ -136,7 +136,7 @@ fn unclosed() -> ParseError {
     ParseError("a quoted text has no closing `\"`".to_string())
 }
 
-/// Reads a text with escapes up to the closing quote; gives the word and the text after it.
+/// Reads a text with escapes up to the closing quote. Returns the word and the text after it.
 fn unescape(text: &str) -> Result<(Word, &str), ParseError> {
     let mut word = Vec::new();
     let mut rest = text;
@@ -189,7 +189,7 @@ impl fmt::Display for QuotedPath<'_> {
     }
 }
 
-/// Writes a word as it is where that can be read back, else with escapes.
+/// Writes a word unchanged if it can be read back so, otherwise with escapes.
 fn write_quoted(f: &mut fmt::Formatter<'_>, word: &[u8]) -> fmt::Result {
     let plain = std::str::from_utf8(word).ok();
     if let Some(plain) = plain.filter(|text| !text.contains(['"', '\n', '\r', '\t'])) {

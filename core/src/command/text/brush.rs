@@ -1,5 +1,5 @@
-//! The text form of brushes, made from their descriptions: `spray` under an outline, `stencil` with an image, `grab` for a
-//! pull and `deform` in a ball.
+//! The text form of brushes, made from their descriptions: `spray` for an outline, `stencil` for an image, `grab` for a
+//! pull, and `deform` for a ball.
 
 use std::fmt;
 
@@ -15,7 +15,7 @@ const STENCIL: &str = "stencil";
 const DEFORM: &str = "deform";
 const GRAB: &str = "grab";
 
-/// The verb of a use.
+/// Returns the verb of a brush use.
 pub fn verb(used: &BrushUse) -> &'static str {
     match used.picture {
         Some(_) => STENCIL,
@@ -23,7 +23,7 @@ pub fn verb(used: &BrushUse) -> &'static str {
     }
 }
 
-/// The verb of brushes that are used at such a place.
+/// Returns the verb of brushes with this kind of contact.
 const fn verb_at(contact: ContactKind) -> &'static str {
     match contact {
         ContactKind::Footprint => SPRAY,
@@ -32,13 +32,13 @@ const fn verb_at(contact: ContactKind) -> &'static str {
     }
 }
 
-/// The command of a brush, for the manual; none if a hand's commands are those of another brush.
+/// Returns the command of a brush, for the manual; `None` if a hand's commands are those of another brush.
 pub fn usage_of(brush: BrushId) -> Option<String> {
     let verb = verb_at(brush.spec().script?.contact);
     Some(format!("{verb} {}", usage_with(verb, &[brush])))
 }
 
-/// The arguments of a verb of brushes, for help.
+/// Returns the arguments of a verb of brushes, for help.
 pub fn usage(verb: &str) -> String {
     usage_with(verb, &brushes_of(verb))
 }
@@ -75,7 +75,7 @@ fn usage_with(verb: &str, brushes: &[BrushId]) -> String {
     }
 }
 
-/// The parameters of brushes, those in brackets that not all of them require.
+/// Returns the parameters of brushes, in brackets unless all of them require it.
 fn params_of(brushes: &[BrushId]) -> Vec<String> {
     let mut params: Vec<&Param> = Vec::new();
     for param in brushes.iter().flat_map(|brush| brush.spec().params()) {
@@ -109,7 +109,7 @@ fn params_of(brushes: &[BrushId]) -> Vec<String> {
     params.into_iter().map(text).collect()
 }
 
-/// Writes what follows the verb.
+/// Writes the arguments after the verb.
 pub fn write(used: &BrushUse, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     let verb = verb(used);
     match &used.picture {
@@ -121,7 +121,7 @@ pub fn write(used: &BrushUse, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     match &used.contact {
         Contact::Footprint(footprint) => {
             write_rays(footprint, f)?;
-            // An image has the outline, and takes no more than is seen.
+            // An image has an outline itself, and reaches no deeper than the visible surface.
             let reach = params.next().filter(|_| verb != STENCIL);
             if let Some((param, value)) = reach {
                 write!(f, " outline={}", footprint.outline.name())?;
@@ -150,7 +150,7 @@ fn write_rays(footprint: &Footprint, f: &mut fmt::Formatter<'_>) -> fmt::Result 
     }
     write!(f, " radius={radius}")?;
     match footprint.coverage {
-        // Recordings from before there was another one say nothing.
+        // Recordings from before there was another coverage do not state it.
         Coverage::Rays => Ok(()),
         coverage => write!(f, " takes={}", coverage.name()),
     }
@@ -182,7 +182,7 @@ fn write_value(param: &Param, value: Value, f: &mut fmt::Formatter<'_>) -> fmt::
     }
 }
 
-/// Reads what follows one of the verbs of brushes.
+/// Reads the arguments after a verb of brushes.
 pub fn parse(verb: &str, args: &mut Arguments) -> Result<BrushUse, ParseError> {
     match verb {
         STENCIL => parse_stencil(args),
@@ -194,14 +194,14 @@ pub fn parse(verb: &str, args: &mut Arguments) -> Result<BrushUse, ParseError> {
     }
 }
 
-/// The brushes that a verb names.
+/// Returns the brushes that a verb names.
 fn brushes_of(verb: &str) -> Vec<BrushId> {
     let is_of_verb =
         |brush: &BrushId| brush.spec().script.is_some_and(|script| verb_at(script.contact) == verb);
     BrushId::ALL.iter().copied().filter(is_of_verb).collect()
 }
 
-/// The brush of a verb that its next word names.
+/// Reads the next word as the name of a brush of the verb.
 fn named(args: &mut Arguments, verb: &str) -> Result<BrushId, ParseError> {
     let all = brushes_of(verb);
     let names: Vec<&str> = all.iter().map(|brush| brush.spec().name).collect();
@@ -245,13 +245,13 @@ fn parse_use(brush: BrushId, args: &mut Arguments) -> Result<BrushUse, ParseErro
     Ok(used.completed())
 }
 
-/// Reads what follows the verb of a stencil.
+/// Reads the arguments after the verb of a stencil.
 fn parse_stencil(args: &mut Arguments) -> Result<BrushUse, ParseError> {
     let picture = args.path()?;
     let footprint = parse_rays(args, Outline::Square)?;
     let mut used = BrushUse::under(BrushId::Paint, footprint);
     used.picture = Some(picture);
-    // Not the reach, which is the first.
+    // Without the reach, which is the first.
     for param in BrushId::Paint.spec().params().iter().skip(1) {
         read_value(param, false, &mut used, args)?;
     }
@@ -314,7 +314,7 @@ fn parse_value(param: &Param, text: &str) -> Result<Value, String> {
     }
 }
 
-/// Reads which surface is meant: the present one if nothing is said.
+/// Reads which surface is meant: by default the present one.
 fn parse_surface(args: &mut Arguments) -> Result<BrushSurface, ParseError> {
     let surface = args.optional("surface", |text| match text {
         "now" => Ok(BrushSurface::Now),

@@ -1,4 +1,4 @@
-//! The text form of solids that are drawn, made from their fields: a solid that is added needs nothing here.
+//! The text form of drawn solids, made from their fields: a new solid needs nothing here.
 
 use std::fmt;
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use super::arguments::Arguments;
 use super::{ParseError, list, number, numbers, parse_rotation, parse_vec3};
 use crate::tools::drawn::{ControlPoint, DrawnSolid, DrawnSpec, Field, FieldValue, SolidPose};
 
-/// The name of a solid and its arguments, for help: those that may be left out last.
+/// Returns the name of a solid and its arguments for help, optional ones last.
 pub fn usage(spec: &DrawnSpec) -> String {
     let mut solid = (spec.example)(SolidPose::IDENTITY, 1.0);
     let (optional, required): (Vec<_>, Vec<_>) =
@@ -19,7 +19,7 @@ pub fn usage(spec: &DrawnSpec) -> String {
     spec.name.to_string() + &required.chain(optional).collect::<String>()
 }
 
-/// Writes the name and what follows it.
+/// Writes the name and the arguments.
 pub fn write(solid: &DrawnSolid, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     write!(f, " {}", solid.name())?;
     solid.clone().fields().into_iter().try_for_each(|Field { key, value, .. }| match value {
@@ -45,10 +45,10 @@ fn joined<T>(items: &[T], between: &str, text: impl Fn(&T) -> String) -> String 
     items.iter().map(text).collect::<Vec<_>>().join(between)
 }
 
-/// Reads what follows the name; None if it is not that of a drawn solid.
+/// Reads the arguments after the name; `None` if it is not the name of a drawn solid.
 pub fn parse(name: &str, args: &mut Arguments) -> Result<Option<DrawnSolid>, ParseError> {
     let Some(spec) = DrawnSolid::named(name) else { return Ok(None) };
-    // Every field of the example is read anew.
+    // Every field of the example is overwritten.
     let mut solid = (spec.example)(SolidPose::IDENTITY, 1.0);
     solid.fields().into_iter().try_for_each(|field| read(field, args))?;
     Ok(Some(solid))
@@ -78,7 +78,7 @@ fn parse_points(text: &str) -> Result<Arc<[Vec2]>, String> {
     text.split(';').map(|point| numbers::<f32, 2>(point).map(Vec2::from_array)).collect()
 }
 
-/// A point of four numbers, or of three with the radius of all.
+/// Reads a point of four numbers, or of three with the common radius.
 fn parse_control_point(text: &str, radius: Option<f32>) -> Result<ControlPoint, String> {
     if let Some(radius) = radius {
         return Ok(ControlPoint { at_vx: parse_vec3(text)?, radius });

@@ -1,4 +1,4 @@
-//! The text form of how a sculpture is written: the arguments after the path of `save`.
+//! The text form of export options: the arguments after the path of `save`.
 
 use std::fmt;
 
@@ -8,7 +8,7 @@ use crate::format::MeshOptions;
 use crate::format::options::{ExportForm, ExportOptions};
 use crate::mesh::MeshKind;
 
-/// Writes what differs from the defaults.
+/// Writes the options that differ from the defaults.
 pub fn write(export: &ExportOptions, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     let ExportOptions { form, mesh } = *export;
     let MeshOptions { kind, points_only, up, voxel_mm, triangles } = mesh;
@@ -33,7 +33,7 @@ pub fn write(export: &ExportOptions, f: &mut fmt::Formatter<'_>) -> fmt::Result 
     Ok(())
 }
 
-/// Reads what follows the path.
+/// Reads the arguments after the path.
 pub fn parse(args: &mut Arguments) -> Result<ExportOptions, ParseError> {
     Ok(ExportOptions {
         form: args.optional("form", str::parse)?.unwrap_or_default(),

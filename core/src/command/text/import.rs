@@ -1,4 +1,4 @@
-//! The text form of import options, as `open` takes them. Those that have their usual values are left out.
+//! The text form of import options, as `open` takes them. Defaults are left out.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use super::arguments::Arguments;
 use super::{ParseError, choice, parse_colour_depth};
 use crate::format::options::{Colouring, Cubic, Existence, ImportOptions, MeshFill, MeshSize};
 
-/// Writes what follows the name of the file.
+/// Writes the arguments after the name of the file.
 pub fn write(import: &ImportOptions, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     let ImportOptions {
         existence,
@@ -65,7 +65,7 @@ pub fn write(import: &ImportOptions, f: &mut fmt::Formatter<'_>) -> fmt::Result 
     Ok(())
 }
 
-/// Reads what follows the name of the file.
+/// Reads the arguments after the name of the file.
 pub fn parse(args: &mut Arguments) -> Result<ImportOptions, ParseError> {
     Ok(ImportOptions {
         existence: args.optional("threshold", str::parse)?.unwrap_or_default(),

@@ -1,4 +1,4 @@
-//! The text form of commands about the mask.
+//! The text form of commands for the mask.
 
 use std::fmt;
 
@@ -11,12 +11,12 @@ use super::{
 };
 use crate::command::{Area, Command, MaskArea, MaskChange, PatchRule};
 
-/// How far cavities are looked for if nobody says, in voxels.
+/// Default distance at which cavities are sought, in voxels.
 const REACH_VX: u32 = 4;
-/// How far from the surface a patch protects if nobody says, in voxels.
+/// Default depth below the surface to which a patch protects, in voxels.
 const DEPTH_VX: u32 = 2;
 
-/// Writes what follows the verb.
+/// Writes the arguments after the verb.
 pub fn write(change: &MaskChange, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     write!(f, " {}", change.name())?;
     match change {
@@ -46,7 +46,7 @@ pub fn write(change: &MaskChange, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     }
 }
 
-/// Reads what follows the verb.
+/// Reads the arguments after the verb.
 pub fn parse(args: &mut Arguments) -> Result<Command, ParseError> {
     const CHANGES: &str = "add, subtract, clear, invert, grow, shrink or smooth";
     let name = args.word(CHANGES)?;

@@ -7,10 +7,10 @@ use super::{ParseError, number};
 use crate::command::Command;
 use crate::tools::repair::{Keep, Repair, Toward};
 
-/// The diameter of holes by default, in voxels.
+/// Default diameter of holes, in voxels.
 const HOLE_VX: f32 = 3.0;
 
-/// Writes what follows the verb.
+/// Writes the arguments after the verb.
 pub fn write(repair: &Repair, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     let smaller = |f: &mut fmt::Formatter<'_>, smaller_vx: &Option<u32>| match smaller_vx {
         Some(voxels) => write!(f, " smaller={voxels}"),
@@ -29,7 +29,7 @@ pub fn write(repair: &Repair, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     }
 }
 
-/// Reads what follows one of the verbs.
+/// Reads the arguments after one of the verbs.
 pub fn parse(verb: &str, args: &mut Arguments) -> Result<Command, ParseError> {
     Ok(Command::Repair(match verb {
         "remove-islands" => Repair::RemoveIslands {

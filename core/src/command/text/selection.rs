@@ -1,5 +1,5 @@
-//! The text form of commands about areas (marker, selection, symmetry, copies) and orientations,
-//! and of the switches and choices.
+//! The text form of commands for areas (marker, selection, symmetry, copies) and orientations, and of switches and
+//! choices.
 
 use std::fmt;
 
@@ -15,11 +15,11 @@ use crate::tools::symmetry::{MirrorPlane, Parity, Radial, Symmetry};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// Writes what follows the verb.
+/// Writes the arguments after the verb.
 pub fn write(command: &Command, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     match command {
         Command::Mark(marker) => {
-            // Lengths, since a person thinks in them; they may be beyond what `i32` holds.
+            // Sizes, since people think in them; they may exceed `i32`.
             let size = |axis: usize| i64::from(marker.max[axis]) - i64::from(marker.min[axis]);
             let size = [size(0), size(1), size(2)];
             write!(f, " at={} size={}", list(marker.min.to_array()), list(size))
@@ -57,7 +57,7 @@ pub fn write(command: &Command, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     }
 }
 
-/// Reads what follows one of the verbs.
+/// Reads the arguments after one of the verbs.
 pub fn parse(verb: &str, args: &mut Arguments) -> Result<Command, ParseError> {
     let axes = |args: &mut Arguments| -> Result<Orientation, ParseError> {
         Ok(args.optional("axes", str::parse)?.unwrap_or_default())
@@ -131,7 +131,7 @@ pub fn parse(verb: &str, args: &mut Arguments) -> Result<Command, ParseError> {
     })
 }
 
-/// The area that a command works on; the whole grid unless another is named.
+/// Reads the area that a command works on: by default the whole grid.
 pub(crate) fn parse_area(args: &mut Arguments) -> Result<Area, ParseError> {
     let Some(name) = args.optional_word()? else { return Ok(Area::Grid) };
     let area = Area::ALL.into_iter().find(|area| area.name() == name);

@@ -10,12 +10,12 @@ use crate::command::{Area, Command};
 use crate::sculpture::Rgb;
 use crate::tools::tint::Tint;
 
-/// Size of the patches of noise by default, in units of the smallest edge of a voxel.
+/// Default size of the patches of noise, in units of the smallest edge of a voxel.
 const SIZE: f32 = 16.0;
-/// Amount of noise by default.
+/// Default amount of noise.
 const AMOUNT: f32 = 0.5;
 
-/// Writes what follows the verb of a tint.
+/// Writes the arguments after the verb of a tint.
 pub fn write(area: Area, tint: &Tint, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     write!(f, " {}", area.name())?;
     match tint {
@@ -32,7 +32,7 @@ pub fn write(area: Area, tint: &Tint, f: &mut fmt::Formatter<'_>) -> fmt::Result
     }
 }
 
-/// Reads what follows the verb of a tint.
+/// Reads the arguments after the verb of a tint.
 pub fn parse(verb: &str, args: &mut Arguments) -> Result<Command, ParseError> {
     let area = selection::parse_area(args)?;
     let tint = match verb {
@@ -57,7 +57,7 @@ pub fn parse(verb: &str, args: &mut Arguments) -> Result<Command, ParseError> {
     Ok(Command::Tint { area, tint })
 }
 
-/// Writes what follows the verb of a flood fill.
+/// Writes the arguments after the verb of a flood fill.
 pub(crate) fn write_flood(
     at: UVec3,
     colour: Rgb,
@@ -67,7 +67,7 @@ pub(crate) fn write_flood(
     write!(f, " at={} colour={colour} tolerance={tolerance}", list(at.to_array()))
 }
 
-/// Reads what follows the verb of a flood fill.
+/// Reads the arguments after the verb of a flood fill.
 pub(crate) fn parse_flood(args: &mut Arguments) -> Result<Command, ParseError> {
     Ok(Command::Flood {
         at: args.required("at", |text| numbers::<u32, 3>(text).map(UVec3::from_array))?,

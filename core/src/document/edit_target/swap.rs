@@ -1,8 +1,8 @@
-//! Exchanges what is edited for earlier or other values: recorded bricks, the kind of surface, the mask, the whole
+//! Exchanges the edited data for earlier or other values: recorded bricks, the kind of surface, the mask, or the whole
 //! contents.
 //!
-//! Takes the new values and gives the old ones. The contents become the target's own before they are changed. A change
-//! for which the system lacks memory is refused before anything has changed. Knows no undo steps.
+//! Takes the new values and returns the old ones. The contents become the target's own before they are changed. A
+//! change for which the system lacks memory is refused before anything has changed. Knows no undo steps.
 
 use std::sync::Arc;
 
@@ -19,8 +19,8 @@ use crate::sculpture::stroke::StrokeRecorder;
 use crate::sculpture::{Grid, GridError};
 
 impl EditTarget {
-    /// Makes the contents the target's own, so that they can be changed: where a save or another snapshot shares them,
-    /// by a copy. An error if the system lacks the memory for it.
+    /// Makes the contents the target's own, so that they can be changed: copies them if a save or another snapshot
+    /// shares them. Returns an error if the system lacks the memory for the copy.
     pub fn own_contents(&mut self) -> Result<(), CommandError> {
         if Arc::get_mut(&mut self.contents).is_none() {
             let copy = self.contents.copied().map_err(|error| self.no_memory(error))?;
@@ -33,7 +33,7 @@ impl EditTarget {
         GridError::NoMemory { dims: self.grid().dims(), needed_mib: error.mib() }.into()
     }
 
-    /// Bytes of the record of the edits that are no undo step yet.
+    /// Returns the size in bytes of the record of edits that are no undo step yet.
     pub fn recorded_bytes(&self) -> usize {
         self.recorder.bytes()
     }
@@ -49,7 +49,7 @@ impl EditTarget {
         self.swap_bricks(record);
     }
 
-    /// Does `work` in place of all edits that are recorded. If it is refused, these are as they were.
+    /// Does `work` in place of all recorded edits. If `work` is refused, the edits are restored.
     pub fn instead_of_recorded(
         &mut self,
         work: impl FnOnce(&mut EditTarget) -> Result<EditStats, CommandError>,
@@ -66,7 +66,7 @@ impl EditTarget {
         };
         let stats = work(self);
         if stats.is_err() {
-            // Nothing has changed since, so this gives the same record again.
+            // Nothing has changed since, so this returns the same record again.
             let record = self.swap_bricks(done);
             self.recorder.resume(record, &self.contents.grid);
             self.revision = revision;
@@ -82,8 +82,8 @@ impl EditTarget {
         record.swap(Arc::make_mut(&mut self.contents), &mut self.dirty)
     }
 
-    /// Exchanges the values of a record for the present ones, unless the system lacks the memory for it: then nothing
-    /// has changed, and the record is given back.
+    /// Exchanges the values of a record for the present ones. If the system lacks the memory for it, changes nothing
+    /// and returns the record.
     pub fn try_swap_bricks(
         &mut self,
         record: BrickRecord,
@@ -102,8 +102,7 @@ impl EditTarget {
         }
     }
 
-    /// Puts another sculpture in place of the present one, which must be the target's own; the marker begins anew with
-    /// another size.
+    /// Replaces the sculpture, whose contents must be the target's own. If the size changes, the marker is reset.
     pub fn swap_contents(&mut self, contents: Contents) -> Contents {
         let old = self.put_contents(contents);
         if self.contents.grid.dims() != old.grid.dims() {
@@ -112,7 +111,7 @@ impl EditTarget {
         Arc::unwrap_or_clone(old)
     }
 
-    /// Replaces the contents by reoriented ones; selection and symmetry follow. Returns the orientation that leads back.
+    /// Replaces the contents with reoriented ones; selection and symmetry follow. Returns the inverse orientation.
     pub fn swap_oriented(
         &mut self,
         contents: Contents,
@@ -136,13 +135,13 @@ impl EditTarget {
         old
     }
 
-    /// Shows a kind of surface and returns the one that was shown.
+    /// Selects the kind of surface and returns the former one.
     pub fn swap_surface(&mut self, kind: SurfaceKind) -> SurfaceKind {
         self.revision += 1;
         std::mem::replace(&mut Arc::make_mut(&mut self.contents).surface, kind)
     }
 
-    /// Exchanges the mask without a trace of it. The contents must be the target's own.
+    /// Exchanges the mask without recording it. The contents must be the target's own.
     pub fn swap_mask(&mut self, mask: Option<Box<Grid>>) -> Option<Box<Grid>> {
         std::mem::replace(&mut Arc::make_mut(&mut self.contents).mask, mask)
     }

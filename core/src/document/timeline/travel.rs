@@ -1,7 +1,7 @@
-//! Undo and redo: reverses one step after the other on the contents, and says which of them must be computed anew.
+//! Undo and redo: reverses one step after the other on the contents, and reports which steps need computed contents.
 //!
-//! Takes the contents to change, and those that were computed for a step elsewhere. A step that is refused stays where
-//! it was, and nothing has changed.
+//! Takes the contents to change, and those computed elsewhere for a step. A refused step stays where it was, and
+//! nothing has changed.
 
 use super::Timeline;
 use crate::command::Command;
@@ -19,7 +19,7 @@ pub(in crate::document) enum Direction {
 }
 
 impl Direction {
-    /// The verb of the command.
+    /// Returns the verb of the command.
     pub fn verb(self) -> &'static str {
         match self {
             Direction::Undo => "undo",
@@ -29,9 +29,9 @@ impl Direction {
 }
 
 impl Timeline {
-    /// The part of an undo or redo that is carried out in one go: the steps before one for which the
-    /// history keeps no values, so that the sculpture must be laid another way, or that step alone.
-    /// Other commands are a whole.
+    /// Returns the part of an undo or redo that is executed in one go. It ends before a step for which the history
+    /// keeps no values, so that the sculpture must be reoriented; such a step is a part of its own. Other commands are
+    /// returned whole.
     pub fn first_step(&self, command: &Command) -> Command {
         match (command, self.next_computed(command)) {
             (Command::Undo { .. }, Some((before, ..))) => {
@@ -44,7 +44,7 @@ impl Timeline {
         }
     }
 
-    /// The first step of an undo or redo that must be computed, and how many come before it.
+    /// Returns the first step of an undo or redo whose contents must be computed, and the number of steps before it.
     pub fn next_computed(&self, command: &Command) -> Option<(u32, &Step, Orientation)> {
         let (steps, next): (_, &mut dyn Iterator<Item = &Step>) = match command {
             Command::Undo { steps } => (steps, &mut self.history.undo_steps()),
@@ -57,7 +57,8 @@ impl Timeline {
         })
     }
 
-    /// Goes one step; false if there is none. `oriented`: the contents that it leads to, if they were computed before.
+    /// Moves by one step. Returns false if there is none. `oriented`: the contents after the step, if they were
+    /// computed before.
     pub fn go(
         &mut self,
         direction: Direction,
@@ -77,9 +78,9 @@ impl Timeline {
         refused.map_or(Ok(true), Err)
     }
 
-    /// Swaps a step's values with the sculpture's and returns the reverse step. If they cannot be read back, or the
-    /// history cannot keep that, nothing has changed and the step itself is returned. `oriented`: the contents that an
-    /// orientation leads to, if they were computed before.
+    /// Swaps a step's values with the sculpture's and returns the reverse step. If the values cannot be read back, or
+    /// the history cannot keep the reverse step, nothing has changed and the step itself is returned. `oriented`: the
+    /// contents after an orientation, if they were computed before.
     fn reverse_if_kept(
         &mut self,
         mut step: Step,
@@ -103,7 +104,7 @@ impl Timeline {
             StepChange::Oriented { back, before: None } => {
                 orient::bytes_to_undo(&target.contents, *back)
             }
-            // That of a stored step has been loaded.
+            // The change of a stored step has been loaded by now.
             StepChange::Surface(_) | StepChange::Stored(_) => 0,
         };
         match self.require_room(&format!("{} {}", direction.verb(), step.label), bytes) {
@@ -133,8 +134,8 @@ impl Timeline {
     }
 }
 
-/// Reverses a change and returns the one that does it again; if it is refused, the change itself. `label`: that of its
-/// step.
+/// Reverses a change and returns the change that repeats it; if it is refused, returns the change itself. `label`: of
+/// its step.
 fn reversed(
     change: StepChange,
     label: &str,

@@ -1,5 +1,5 @@
-//! Curves of round cross-section: from control points to pieces that a ball sweeps in a straight line while its radius changes
-//! evenly, and the distance from such a piece.
+//! Curves with a round cross-section. Divides a curve into pieces that a ball sweeps in a straight line while its
+//! radius changes linearly, and computes the distance from such a piece.
 //!
 //! Pure geometry in units of the smallest edge of a voxel.
 
@@ -7,12 +7,12 @@ use glam::{DVec3, DVec4, Vec3};
 
 use super::fields::ControlPoint;
 
-/// Furthest that the pieces may be from the curve.
+/// Maximum distance of the pieces from the curve.
 const TOLERANCE: f64 = 0.02;
-/// Most pieces from one control point to the next.
+/// Maximum number of pieces between two control points.
 const MAX_PIECES: f64 = 32.0;
 
-/// The volume that a ball sweeps in straight motion while its radius changes evenly: the convex hull of its two ends.
+/// The volume that a ball sweeps in straight motion while its radius changes linearly: the convex hull of its two ends.
 #[derive(Clone, Copy, Debug)]
 pub struct CurvePiece {
     from: DVec3,
@@ -25,7 +25,7 @@ pub struct CurvePiece {
 }
 
 impl CurvePiece {
-    /// From one ball to another: centres, with the radius as the fourth number.
+    /// Creates a piece from one ball to another. Each ball is its centre, with the radius as the fourth number.
     fn new(a: DVec4, b: DVec4) -> CurvePiece {
         let (from, displacement) = (a.truncate(), (b - a).truncate());
         let length = displacement.length();
@@ -34,14 +34,14 @@ impl CurvePiece {
         CurvePiece { from, along, length, radius: a.w, slope }
     }
 
-    /// The least distance of `p` from the surface of all balls on the path, below 0 inside: changes by at most as much as
-    /// `p` moves.
+    /// Returns the least distance of `p` from the surfaces of all balls on the path, below 0 inside. It changes by at
+    /// most the distance that `p` moves.
     #[inline(always)]
     pub fn distance(&self, p: DVec3) -> f64 {
         let offset = p - self.from;
         let height = offset.dot(self.along);
         let aside = (offset - self.along * height).length();
-        // Seeks the least of hypot(aside, s - height) - radius - slope s, which is convex in s.
+        // Minimises hypot(aside, s - height) - radius - slope s, which is convex in s.
         let s = match 1.0 - self.slope * self.slope {
             steep if steep > 0.0 => height + aside * self.slope / steep.sqrt(),
             // One end contains the other.
@@ -52,7 +52,7 @@ impl CurvePiece {
         aside.hypot(s - height) - self.radius - self.slope * s
     }
 
-    /// Lowest and highest point.
+    /// Returns the lowest and the highest point.
     pub fn bounds(&self) -> [DVec3; 2] {
         let to = self.from + self.along * self.length;
         let end = self.radius + self.slope * self.length;
@@ -61,7 +61,7 @@ impl CurvePiece {
     }
 }
 
-/// The pieces of a centripetal Catmull-Rom spline through balls whose neighbours differ in place.
+/// Returns the pieces of a centripetal Catmull-Rom spline through balls whose neighbours differ in position.
 pub fn pieces(balls: &[DVec4]) -> Vec<CurvePiece> {
     match path(balls)[..] {
         [ball] => vec![CurvePiece::new(ball, ball)],
@@ -69,8 +69,8 @@ pub fn pieces(balls: &[DVec4]) -> Vec<CurvePiece> {
     }
 }
 
-/// The path of the ball that sweeps a tube, for displaying the tube: straight lines from control point to control point that are as near
-/// to its curve as those of its voxels. `edges`: of a voxel, in units of the smallest. Neighbours must differ in place.
+/// Returns the path of the ball that sweeps a tube, for display: straight lines between control points, as close to the
+/// curve as those of its voxels. `edges`: of a voxel, in units of the smallest. Neighbours must differ in position.
 pub fn tube_path(control_points: &[ControlPoint], edges: Vec3) -> Vec<ControlPoint> {
     let ball = |control_point: &ControlPoint| {
         (control_point.at_vx * edges).as_dvec3().extend(f64::from(control_point.radius))
@@ -83,12 +83,12 @@ pub fn tube_path(control_points: &[ControlPoint], edges: Vec3) -> Vec<ControlPoi
     path(&balls).into_iter().map(control_point).collect()
 }
 
-/// The balls at the ends of the pieces, in order.
+/// Returns the balls at the ends of the pieces, in order.
 fn path(balls: &[DVec4]) -> Vec<DVec4> {
     let mut path: Vec<DVec4> = balls.first().copied().into_iter().collect();
     for i in 1..balls.len() {
         let (a, b) = (balls[i - 1], balls[i]);
-        // Beyond the ends the curve goes straight on.
+        // The curve continues straight beyond its ends.
         let before = if i > 1 { balls[i - 2] } else { a + (a - b) };
         let after = balls.get(i + 1).copied().unwrap_or(b + (b - a));
         let span = Span::new([before, a, b, after]);
@@ -96,7 +96,7 @@ fn path(balls: &[DVec4]) -> Vec<DVec4> {
             let t = f64::from(part) / 8.0;
             (span.at(t) - a.lerp(b, t)).length()
         });
-        // A chord of an n-th of the path is n^2 times as close to the curve.
+        // A chord of 1/n of the path is n^2 times as close to the curve.
         let count = (bend.fold(0.0, f64::max) / TOLERANCE).sqrt().ceil().clamp(1.0, MAX_PIECES);
         let inner = (1..count as u32).map(|part| span.at(f64::from(part) / count));
         path.extend(inner.chain([b]));
@@ -120,7 +120,7 @@ impl Span {
         Span { balls, knots }
     }
 
-    /// The ball at a share of the path, by the pyramid of Barry and Goldman (1988).
+    /// Returns the ball at a share of the path, by the pyramid of Barry and Goldman (1988).
     fn at(&self, share: f64) -> DVec4 {
         let k = &self.knots;
         let t = k[1] + (k[2] - k[1]) * share;
@@ -133,7 +133,7 @@ impl Span {
             }
         }
         let mut ball = level[0];
-        // Where radii change fast, the curve through them may go below zero.
+        // Where radii change fast, the curve through them may fall below zero.
         ball.w = ball.w.max(0.0);
         ball
     }
@@ -173,7 +173,7 @@ mod tests {
     }
 
     proptest! {
-        /// The distance is the least that is found by trying many balls on the path.
+        /// The distance is the least of those from many balls on the path.
         #[test]
         fn the_distance_is_that_of_the_nearest_ball(a in ball(), b in ball(), p in ball()) {
             let (piece, p) = (CurvePiece::new(a, b), p.truncate());

@@ -9,8 +9,8 @@ use super::frame::Frame;
 use super::outline::{self, Outlines};
 use super::spec::{DrawnShape, DrawnSpec, Surface};
 
-/// Outlines in the plane of its x and y axes, extruded by half of `depth` to both sides. A point is inside if an odd number
-/// of outlines is around it, so that an outline in another one is a hole.
+/// Outlines in the plane of its x and y axes, extruded by half of `depth` to both sides. A point is inside if an odd
+/// number of outlines surrounds it, so that an outline within another is a hole.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Extrusion {
     /// Its origin and axes.

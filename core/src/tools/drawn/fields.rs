@@ -1,19 +1,20 @@
-//! The fields of drawn solids. Each solid lists its own once, in the order of the text form; reading, writing, usage,
+//! The fields of drawn solids. Each solid lists its own once, in the order of the text form. Reading, writing, usage,
 //! checks, shifts and random tests follow from the list.
 //!
-//! A list of references, rather than a visitor, so that whatever goes over it can stop at the first error. Lengths are in
-//! units of the smallest edge of a voxel, places in voxel coordinates. Knows no solid and no text form.
+//! A list of references rather than a visitor, so that every loop over it can stop at the first error. Lengths are in
+//! units of the smallest edge of a voxel, positions in voxel coordinates. Knows no solid and no text form.
 
 use std::sync::Arc;
 
 use glam::{Quat, Vec2, Vec3};
 
-/// Most points of a curve, or of all outlines together.
+/// Maximum number of points of a curve, or of all outlines together.
 pub const MAX_POINTS: usize = 1024;
-/// Furthest place from the origin and longest length, in voxels: far beyond every grid, and still exact.
+/// Maximum distance of a position from the origin, and maximum length, in voxels: far beyond every grid, and still
+/// exact.
 pub const FURTHEST_VX: f32 = 1e6;
 
-/// Whether a solid may be there, in voxel coordinates.
+/// Returns whether a solid may be at this position, in voxel coordinates.
 pub fn is_place(p: Vec3) -> bool {
     p.is_finite() && p.abs().max_element() <= FURTHEST_VX
 }
@@ -21,26 +22,26 @@ pub fn is_place(p: Vec3) -> bool {
 /// A point of a tube's curve.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ControlPoint {
-    /// Its place in voxel coordinates.
+    /// Its position in voxel coordinates.
     pub at_vx: Vec3,
     /// The tube's radius there, in units of the smallest edge of a voxel.
     pub radius: f32,
 }
 
-/// Where a solid is and how it is turned.
+/// The position and rotation of a solid.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct SolidPose {
     /// Its origin in voxel coordinates.
     pub at_vx: Vec3,
-    /// Rotation of its axes against the grid's.
+    /// Rotation of its axes relative to the grid's.
     pub rotation: Quat,
 }
 
 impl SolidPose {
-    /// At the origin of the grid, not turned.
+    /// At the origin of the grid, not rotated.
     pub const IDENTITY: SolidPose = SolidPose { at_vx: Vec3::ZERO, rotation: Quat::IDENTITY };
 
-    /// Its fields.
+    /// Returns its fields.
     pub(super) fn fields(&mut self) -> [Field<'_>; 2] {
         let turn = FieldValue::Rotation(&mut self.rotation);
         [
@@ -53,11 +54,11 @@ impl SolidPose {
 /// A field of a drawn solid.
 #[derive(Debug)]
 pub struct Field<'a> {
-    /// In scripts.
+    /// Its name in scripts.
     pub key: &'static str,
     /// Its values in scripts, for help.
     pub usage: &'static str,
-    /// The rule that values keep, as a sentence for messages. Of lists of points: the rule for their number.
+    /// The rule for values, as a sentence for messages. For lists of points: the rule for their number.
     pub rule: &'static str,
     /// Its value.
     pub value: FieldValue<'a>,
@@ -66,11 +67,11 @@ pub struct Field<'a> {
 /// The value of a field.
 #[derive(Debug)]
 pub enum FieldValue<'a> {
-    /// A place, in voxel coordinates.
+    /// A position, in voxel coordinates.
     Place(&'a mut Vec3),
     /// A direction in the world, of any length.
     Direction(&'a mut Vec3),
-    /// A rotation; none if a script says nothing.
+    /// A rotation; the identity if a script does not state one.
     Rotation(&'a mut Quat),
     /// A length, in units of the smallest edge of a voxel.
     Length(&'a mut f32),
@@ -87,13 +88,13 @@ const NOT_A_ROTATION: &str = "the rotation must be a quaternion of length 1";
 const NOT_A_POINT: &str = "a point must be within a million voxels";
 
 impl<'a> Field<'a> {
-    /// The place of a solid.
+    /// Returns the field for the position of a solid.
     pub(super) fn place(at_vx: &'a mut Vec3) -> Field<'a> {
         let value = FieldValue::Place(at_vx);
         Field { key: "at", usage: "X,Y,Z", rule: NOT_A_PLACE, value }
     }
 
-    /// A length, with the letter that stands for it in help.
+    /// Returns the field for a length. Help shows it as a letter.
     pub(super) fn length(
         key: &'static str,
         usage: &'static str,
@@ -103,7 +104,7 @@ impl<'a> Field<'a> {
         Field { key, usage, rule, value: FieldValue::Length(length) }
     }
 
-    /// Scripts may leave it out.
+    /// Returns whether scripts may omit it.
     pub fn is_optional(&self) -> bool {
         matches!(self.value, FieldValue::Rotation(_))
     }
@@ -112,7 +113,7 @@ impl<'a> Field<'a> {
         matches!(self.value, FieldValue::Length(_))
     }
 
-    /// An error that says why the value is invalid, if it is.
+    /// Returns an error that says why the value is invalid, if it is.
     pub(super) fn check(&self) -> Result<(), &'static str> {
         let holds = match &self.value {
             FieldValue::Place(at_vx) => is_place(**at_vx),
@@ -155,7 +156,7 @@ impl<'a> Field<'a> {
     }
 }
 
-/// The rule as an error where it does not hold.
+/// Returns the rule as an error if it does not hold.
 pub(super) fn require(holds: bool, rule: &'static str) -> Result<(), &'static str> {
     if holds { Ok(()) } else { Err(rule) }
 }

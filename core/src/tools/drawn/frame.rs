@@ -1,4 +1,5 @@
-//! The frame of a posed solid: from points of the world to points as the solid sees them, and back to boxes around it.
+//! The frame of a posed solid: maps world points to points of the solid's frame, and boxes of the solid to boxes in the
+//! world.
 //!
 //! Pure geometry in units of the smallest edge of a voxel.
 
@@ -14,29 +15,29 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// `stretch`: edges of a voxel in units of the smallest.
+    /// Creates the frame of a pose. `stretch`: edges of a voxel in units of the smallest.
     pub fn new(pose: &SolidPose, stretch: DVec3) -> Frame {
         let SolidPose { at_vx, rotation } = pose;
         Frame { at: at_vx.as_dvec3() * stretch, rotation: rotation.as_dquat().normalize() }
     }
 
-    /// A point, seen from the solid.
+    /// Maps a world point to the frame of the solid.
     pub fn local(&self, p: DVec3) -> DVec3 {
         self.rotation.inverse() * (p - self.at)
     }
 
-    /// Distance from the y axis and height of a point.
+    /// Returns a point's distance from the y axis and its height.
     pub fn around_y(&self, p: DVec3) -> DVec2 {
         let p = self.local(p);
         DVec2::new(p.x.hypot(p.z), p.y)
     }
 
-    /// The distance of its origin from that of the grid.
+    /// Returns the distance of its origin from that of the grid.
     pub fn length(&self) -> f64 {
         self.at.length()
     }
 
-    /// Lowest and highest point of a box around a box of the solid.
+    /// Returns the lowest and the highest point of a box around a box of the solid.
     pub fn bounds(&self, [low, high]: [DVec3; 2]) -> [DVec3; 2] {
         let middle = self.at + self.rotation * ((low + high) * 0.5);
         let half = (high - low) * 0.5;

@@ -1,11 +1,11 @@
-//! Half space: all on the side of a plane that its normal points to.
+//! Half space: all points on the side of a plane that its normal points to.
 
 use glam::{DVec3, Vec3};
 
 use super::fields::{Field, FieldValue};
 use super::spec::{DrawnShape, DrawnSpec, EVERYWHERE, Surface};
 
-/// All on the side of a plane that its normal points to.
+/// All points on the side of a plane that its normal points to.
 #[derive(Clone, PartialEq, Debug)]
 pub struct HalfSpace {
     /// A point of the plane, in voxel coordinates.

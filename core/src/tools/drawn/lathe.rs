@@ -1,4 +1,4 @@
-//! Lathe: a profile turned about an axis.
+//! Lathe: a profile rotated about an axis.
 
 use std::sync::Arc;
 
@@ -9,8 +9,8 @@ use super::frame::Frame;
 use super::outline::{self, Outlines};
 use super::spec::{DrawnShape, DrawnSpec, Surface};
 
-/// A profile turned about its y axis: points of distance from the axis and height. From the first and the last point, a
-/// straight line leads to the axis.
+/// A profile rotated about its y axis: points of distance from the axis and height. A straight line connects the first
+/// and the last point with the axis.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Lathe {
     /// Its origin and axis.

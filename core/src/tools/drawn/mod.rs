@@ -1,7 +1,7 @@
-//! Solids that are drawn rather than placed in a box: each has a file that describes it, and a row in the list below.
+//! Solids that are drawn rather than placed in a box. Each has a file that describes it, and a row in the list below.
 //!
-//! From a [`DrawnSolid`] to the [`crate::sculpture::region::Region`] of its voxels ([`region`]). Knows no grid's contents
-//! and no document.
+//! Maps a [`DrawnSolid`] to the [`crate::sculpture::region::Region`] of its voxels ([`region`]). Knows no grid's
+//! contents and no document.
 
 pub mod curve;
 mod extrusion;
@@ -23,7 +23,7 @@ pub use fields::{ControlPoint, FURTHEST_VX, Field, FieldValue, MAX_POINTS, Solid
 pub use spec::DrawnSpec;
 use spec::{DrawnShape, Surface};
 
-/// Makes the enums and the list, and hands each computation to the file of the solid.
+/// Makes the enums and the list, and delegates each computation to the file of the solid.
 macro_rules! drawn_solids {
     ($($id:ident = $file:ident),* $(,)?) => {
         $(pub use $file::$id;)*
@@ -41,14 +41,14 @@ macro_rules! drawn_solids {
             /// The descriptions of all drawn solids, in the order of help.
             pub const ALL: [&'static DrawnSpec; [$(stringify!($id)),*].len()] = [$(&$id::SPEC),*];
 
-            /// Its description.
+            /// Returns its description.
             pub const fn spec(&self) -> &'static DrawnSpec {
                 match self {
                     $(DrawnSolid::$id(_) => &$id::SPEC),*
                 }
             }
 
-            /// Its fields, in the order of the text form.
+            /// Returns its fields, in the order of the text form.
             pub fn fields(&mut self) -> Vec<Field<'_>> {
                 match self {
                     $(DrawnSolid::$id(solid) => solid.fields()),*
@@ -120,12 +120,12 @@ drawn_solids! {
 }
 
 impl DrawnSolid {
-    /// Its name in the text form.
+    /// Returns its name in the text form.
     pub const fn name(&self) -> &'static str {
         self.spec().name
     }
 
-    /// The description of a name.
+    /// Returns the description of the solid with this name.
     pub fn named(name: &str) -> Option<&'static DrawnSpec> {
         DrawnSolid::ALL.into_iter().find(|spec| spec.name == name)
     }
@@ -139,14 +139,14 @@ impl DrawnSolid {
 
     fn check_rules(&self) -> Result<(), &'static str> {
         let mut solid = self.clone();
-        // Of several errors, that of a place is named first.
+        // Of several errors, one in a position is reported first.
         let (lengths, others): (Vec<_>, Vec<_>) =
             solid.fields().into_iter().partition(Field::is_length);
         others.iter().chain(&lengths).try_for_each(Field::check)?;
         self.check_together()
     }
 
-    /// The same, moved by a number of voxels.
+    /// Returns the same solid, moved by a number of voxels.
     pub fn shifted(&self, by_vx: Vec3) -> DrawnSolid {
         let mut solid = self.clone();
         solid.fields().into_iter().for_each(|field| field.shift(by_vx));

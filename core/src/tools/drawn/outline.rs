@@ -1,6 +1,6 @@
 //! Flat outlines: the distance from closed polygons, below 0 inside.
 //!
-//! Pure geometry of the plane; a point is inside if a ray from it crosses an odd number of edges.
+//! Pure plane geometry. A point is inside if a ray from it crosses an odd number of edges.
 
 use std::sync::Arc;
 
@@ -26,7 +26,7 @@ impl Outlines {
         self.edges.extend(points.windows(2).map(|pair| [pair[0], pair[1]]));
     }
 
-    /// Lowest and highest point.
+    /// Returns the lowest and the highest point.
     pub fn bounds(&self) -> [DVec2; 2] {
         let points = self.edges.iter().flatten();
         points.fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[low, high], p| {
@@ -34,7 +34,7 @@ impl Outlines {
         })
     }
 
-    /// The distance of `p` from the nearest edge, below 0 inside: no point that is nearer than that is on the other side.
+    /// Returns the distance of `p` from the nearest edge, below 0 inside: no nearer point is on the other side.
     pub fn distance(&self, p: DVec2) -> f64 {
         let mut nearest = f64::INFINITY;
         let mut inside = false;
@@ -43,7 +43,7 @@ impl Outlines {
             let length_squared = edge.length_squared();
             let share = if length_squared > 0.0 { offset.dot(edge) / length_squared } else { 0.0 };
             nearest = nearest.min((offset - edge * share.clamp(0.0, 1.0)).length_squared());
-            // The ray goes in the direction of x, from the axis of a profile outwards.
+            // The ray points along x, outwards from the axis of a profile.
             if (a.y > p.y) != (b.y > p.y) {
                 let left = (p.x - a.x) * edge.y < edge.x * offset.y;
                 inside ^= left == (edge.y > 0.0);
@@ -53,12 +53,12 @@ impl Outlines {
     }
 }
 
-/// Points as numbers of double precision.
+/// Converts points to double precision.
 pub fn exact(points: &[Vec2]) -> Vec<DVec2> {
     points.iter().map(|point| point.as_dvec2()).collect()
 }
 
-/// A wavy line of 33 points, about `size` from the y axis and from `-size` to `size` along it: for examples.
+/// Returns a wavy line of 33 points for examples, about `size` from the y axis and from `-size` to `size` along it.
 pub fn wavy(size: f32) -> Arc<[Vec2]> {
     let point = |i: u8| {
         let share = f32::from(i) / 32.0;

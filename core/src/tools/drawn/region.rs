@@ -1,8 +1,8 @@
 //! The voxels of a [`DrawnSolid`] in a grid, as a [`Region`].
 //!
-//! [`PlacedDrawnSolid::contains_voxel`] is the definition: the distance of a voxel's centre from the surface, below 0 inside.
-//! No point nearer than that is on the other side, so that bricks and their eighths far from the surface are decided as
-//! a whole. Knows no solid by name, and no document.
+//! [`PlacedDrawnSolid::contains_voxel`] is the definition: the distance of a voxel's centre from the surface, below 0
+//! inside. No nearer point is on the other side, so that bricks and their eighths far from the surface are decided as a
+//! whole.
 
 use fearless_simd::Simd;
 use glam::{DVec3, IVec3, UVec3};
@@ -23,15 +23,15 @@ pub struct PlacedDrawnSolid {
     stretch: DVec3,
     image: SymmetryTransform,
     bounds: VoxelBox,
-    /// It ends, and by more than a voxel outside the grid.
+    /// Whether it ends, and extends more than a voxel beyond the grid.
     leaves_grid: bool,
     /// Bound on the error of distances.
     rounding: f64,
 }
 
 impl PlacedDrawnSolid {
-    /// An image of `solid`, which must be valid. Covers exactly the mirrored voxels where all planes lie along the grid,
-    /// between voxels or through their centres.
+    /// Creates an image of `solid`, which must be valid. Covers exactly the mirrored voxels if all mirror planes lie
+    /// along the grid, between voxels or through their centres.
     pub fn new(solid: &DrawnSolid, grid: &Grid, image: SymmetryTransform) -> PlacedDrawnSolid {
         let voxel_size = grid.voxel_size().as_dvec3();
         let stretch = voxel_size / voxel_size.min_element();
@@ -52,37 +52,37 @@ impl PlacedDrawnSolid {
             min: low.clamp(DVec3::ZERO, dims).as_ivec3(),
             max: high.clamp(DVec3::ZERO, dims).as_ivec3(),
         };
-        // Lengths are those of the grid and of the solid, which may be far away.
+        // Both the size of the grid and the solid, which may be far away, determine the rounding error.
         let longest = (dims * stretch).length() + surface.longest();
         let rounding = 1e-13 * longest;
         PlacedDrawnSolid { surface, stretch, image, bounds, leaves_grid, rounding }
     }
 
-    /// Whether it ends, and by more than a voxel outside the grid.
+    /// Returns whether it ends, and extends more than a voxel beyond the grid.
     pub fn leaves_grid(&self) -> bool {
         self.leaves_grid
     }
 
-    /// The distance of a point (voxel coordinates) from the surface, below 0 inside. Of a solid in pieces: from those that
-    /// are named.
+    /// Returns the distance of a point (voxel coordinates) from the surface, below 0 inside. For a solid in pieces:
+    /// from the pieces in `near`.
     fn distance(&self, p_vx: DVec3, near: &[u32]) -> f64 {
         self.surface.distance(self.image.origin_of(p_vx) * self.stretch, near)
     }
 
-    /// Whether the centre of a voxel lies inside: the definition that every row equals.
+    /// Returns whether the centre of a voxel lies inside: the definition that every row matches.
     pub fn contains_voxel(&self, v: IVec3) -> bool {
         let all = self.surface.pieces_near(DVec3::NEG_INFINITY, DVec3::INFINITY);
         self.distance(v.as_dvec3() + 0.5, &all) <= 0.0
     }
 
-    /// The pieces that reach a box of voxels; none of a solid in one piece.
+    /// Returns the pieces that reach a box of voxels; none for a solid in one piece.
     fn near(&self, min: UVec3, max: UVec3) -> Vec<u32> {
         let corners = [min, max].map(|corner| corner.as_dvec3());
         let [min, max] = around(corners, |p| self.image.origin_of(p) * self.stretch);
         self.surface.pieces_near(min - self.rounding, max + self.rounding)
     }
 
-    /// Whether all or none of the voxels of a cube are inside; None where it may be a part.
+    /// Returns whether all or none of the voxels of a cube are inside; `None` if it may be a part of them.
     fn covers(&self, min: UVec3, edge: u32, near: &[u32]) -> Option<bool> {
         let distance = self.distance(min.as_dvec3() + 0.5 * f64::from(edge), near);
         if edge == 1 {
@@ -95,7 +95,8 @@ impl PlacedDrawnSolid {
         }
     }
 
-    /// Sets the voxels inside of a cube of the brick at `origin`, by eighths where it is not decided as a whole.
+    /// Sets the voxels inside, of a cube of the brick at `origin`. A cube that is not decided as a whole is divided
+    /// into eighths.
     fn test_cube(&self, origin: UVec3, local: UVec3, edge: u32, near: &[u32], mask: &mut Brick) {
         match self.covers(origin + local, edge, near) {
             Some(false) => {}
@@ -119,7 +120,7 @@ impl PlacedDrawnSolid {
     }
 }
 
-/// A box around the images of the corners of a box, which has a lowest and a highest one.
+/// Returns a box around the images of the corners of a box, each given by its lowest and highest point.
 fn around([low, high]: [DVec3; 2], image: impl Fn(DVec3) -> DVec3) -> [DVec3; 2] {
     let corner =
         |i: u32| DVec3::select(glam::BVec3::new(i & 1 == 0, i & 2 == 0, i & 4 == 0), low, high);
@@ -158,7 +159,7 @@ impl Region for PlacedDrawnSolid {
                 let first = if reach.touched.is_empty() { x } else { reach.touched.start };
                 reach.touched = first..x + 1;
             }
-            // The longest run of whole bricks is known as such.
+            // The longest run of whole bricks is reported as such.
             run = if covered == Some(true) { run.start..x + 1 } else { x + 1..x + 1 };
             if run.len() > reach.whole.len() {
                 reach.whole = run.clone();

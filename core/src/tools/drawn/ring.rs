@@ -11,7 +11,7 @@ use super::spec::{DrawnShape, DrawnSpec, Surface};
 pub struct Ring {
     /// Its centre and axis.
     pub pose: SolidPose,
-    /// From the centre to the middle of the tube.
+    /// Distance from the centre to the middle of the tube.
     pub radius: f32,
     /// Radius of the tube.
     pub tube: f32,

@@ -1,6 +1,7 @@
-//! Describes a drawn solid: its texts, an example, its fields and its surface, each written once in the file of the solid.
+//! Describes a drawn solid: its texts, an example, its fields and its surface, each written once in the file of the
+//! solid.
 //!
-//! From these descriptions come text form, usage, checks, random tests and the rows of the benchmark. Knows no grid.
+//! Text form, usage, checks, random tests and the rows of the benchmark follow from these descriptions. Knows no grid.
 
 use glam::DVec3;
 
@@ -10,13 +11,13 @@ use super::fields::{Field, SolidPose};
 /// The description of a drawn solid.
 #[derive(Clone, Copy, Debug)]
 pub struct DrawnSpec {
-    /// In scripts and in labels of undo steps.
+    /// Its name in scripts and in labels of undo steps.
     pub name: &'static str,
-    /// In sentences.
+    /// Its name in sentences.
     pub label: &'static str,
-    /// Explains it in the manual of scripts, after its usage.
+    /// Its explanation in the manual of scripts, after its usage.
     pub help: &'static str,
-    /// Its row in the benchmark, which measures the example of a size of 64.
+    /// Its row in the benchmark, which measures the example of size 64.
     pub bench_row: &'static str,
     /// An example at a pose, which reaches about as far as a ball of radius `size`: for tests and the benchmark.
     pub example: fn(pose: SolidPose, size: f32) -> DrawnSolid,
@@ -27,34 +28,34 @@ pub trait DrawnShape {
     /// Its description.
     const SPEC: DrawnSpec;
 
-    /// It, prepared for computing distances.
+    /// The solid, prepared for computing distances.
     type Surface: Surface;
 
-    /// Its fields, in the order of the text form.
+    /// Returns its fields, in the order of the text form.
     fn fields(&mut self) -> Vec<Field<'_>>;
 
-    /// An error that says which rule is broken, if one is, besides those of single fields.
+    /// Returns an error that says which rule is broken, if one is, besides the rules of single fields.
     fn check(&self) -> Result<(), &'static str> {
         Ok(())
     }
 
-    /// Its surface. `stretch`: edges of a voxel in units of the smallest.
+    /// Returns its surface. `stretch`: edges of a voxel in units of the smallest.
     fn surface(&self, stretch: DVec3) -> Self::Surface;
 }
 
-/// The surface of a drawn solid. Places and lengths are in units of the smallest edge of a voxel.
+/// The surface of a drawn solid. Positions and lengths are in units of the smallest edge of a voxel.
 pub trait Surface {
-    /// Lowest and highest point of a box around it, at infinity if it has no end.
+    /// Returns the lowest and the highest point of a box around it, at infinity if it has no end.
     fn bounds(&self) -> [DVec3; 2];
 
-    /// As long as the longest number that distances are made of.
+    /// Returns a bound on the numbers that distances are computed from.
     fn longest(&self) -> f64;
 
-    /// The distance of a point, below 0 inside: no point nearer than that is on the other side. Of a solid in pieces:
-    /// from those that are named.
+    /// Returns the distance of a point, below 0 inside: no nearer point is on the other side. For a solid in pieces:
+    /// from the pieces in `pieces`.
     fn distance(&self, p: DVec3, pieces: &[u32]) -> f64;
 
-    /// The pieces that reach the box between two corners; none of a solid in one piece.
+    /// Returns the pieces that reach the box between two corners; none for a solid in one piece.
     fn pieces_near(&self, _low: DVec3, _high: DVec3) -> Vec<u32> {
         Vec::new()
     }

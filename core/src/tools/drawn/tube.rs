@@ -10,7 +10,7 @@ use super::spec::{DrawnShape, DrawnSpec, EVERYWHERE, Surface};
 
 /// The volume that a ball sweeps along a curve through points, its radius changing from one to the next: a centripetal
 /// Catmull-Rom spline (Yuksel, Schaefer, Keyser: Parameterization and Applications of Catmull-Rom Curves, 2011). Two
-/// points make a line, one a ball.
+/// points make a line, one makes a ball.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Tube {
     /// The points.
@@ -53,7 +53,7 @@ impl DrawnShape for Tube {
     }
 }
 
-/// A curve that winds upwards.
+/// Returns a curve that winds upwards.
 fn coil(centre_vx: Vec3, size: f32) -> Arc<[ControlPoint]> {
     let point = |i: u8| {
         let turn = f32::from(i) * 1.3;
