@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Checks the house rules that need no test run: formatting, lints, in how many files the methods of a type stand, where
-# `unsafe` may stand, the generated reference of the brushes, and the licences, sources, duplicates and advisories of the dependencies.
+# Checks the house rules that need no test run: formatting, lints, in how many files the methods of a type stand, names of
+# public types, places of `unsafe`, the generated reference of the brushes, and the dependencies (cargo-deny).
 # Usage: check.sh [--no-lints]   (--no-lints leaves out clippy and the reference, which compile the workspace)
 set -euo pipefail
 cd "$(dirname "$0")"
@@ -34,6 +34,20 @@ scattered=$(git ls-files 'src/*.rs' 'core/src/*.rs' 'tracking/src/*.rs' | xargs 
 [ -z "$scattered" ] || {
     printf 'check: methods of a type in more than %d files; these and its own:\n%s\n' "$max_files" "$scattered" >&2
     failed+=(scattered)
+}
+
+# `Result` is the alias of each room that has an error of its own.
+twice=$(git ls-files 'src/*.rs' 'core/src/*.rs' 'tracking/src/*.rs' | grep -vE '(^|[/_])tests?(\.rs|/)|test_' | xargs awk '
+    FNR == 1 { crate = FILENAME; sub(/src\/.*$/, "", crate); tests = 0 }
+    /^#\[cfg\(test\)\]/ { tests = 1 }
+    !tests && match($0, /^pub(\([a-z ]+\))? (struct|enum|union|trait|type) [A-Z][A-Za-z0-9]*/) {
+        name = substr($0, RSTART, RLENGTH); sub(/^.* /, "", name)
+        if (name != "Result") { count[crate name]++; files[crate name] = files[crate name] "\n    " FILENAME }
+    }
+    END { for (type in count) if (count[type] > 1) print "  " type ":" files[type] }')
+[ -z "$twice" ] || {
+    printf 'check: public types of a crate that share a name:\n%s\n' "$twice" >&2
+    failed+=(names)
 }
 
 stray=$(git ls-files 'src/*.rs' 'core/src/*.rs' 'tracking/src/*.rs' | grep -vE '^src/(gpu|screen)/' |
