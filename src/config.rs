@@ -49,7 +49,7 @@ pub enum ConfigError {
     #[error("the settings {path}: {key} = {value}: {rule}")]
     Value { path: PathBuf, key: String, value: String, rule: &'static str },
     #[error("the settings {path}: light.matcap = {}: {error}", file.display())]
-    Matcap { path: PathBuf, file: PathBuf, error: FormatError },
+    Matcap { path: PathBuf, file: PathBuf, error: Box<FormatError> },
 }
 
 /// All settings, one field per section.
@@ -115,7 +115,7 @@ impl Config {
             let image = load_matcap(&file);
             let image = image.map_err(|error| {
                 let (path, file) = (path.into(), file.clone());
-                ConfigError::Matcap { path, file, error }
+                ConfigError::Matcap { path, file, error: Box::new(error) }
             })?;
             self.light.matcap = MatcapFile::new(file, image);
         }
