@@ -231,6 +231,16 @@ mod tests {
         }
     }
 
+    /// Checks that drags, holds and wheels, too, can be reached: the palette offers taps alone.
+    #[test]
+    fn every_action_has_a_trigger_in_some_preset() {
+        let presets = Bindings::presets().unwrap();
+        for &action in Action::ALL {
+            let is_bound = presets.iter().any(|preset| preset.triggers(action).next().is_some());
+            assert!(is_bound, "{action:?}");
+        }
+    }
+
     /// Checks that no binding depends on Shift with a digit, which gives different characters on different keyboard
     /// layouts, or on the positions of punctuation.
     #[test]
