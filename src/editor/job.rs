@@ -68,7 +68,7 @@ impl From<SessionError> for Failure {
 }
 
 /// Work on a thread.
-struct Job {
+struct RunningJob {
     thread: JoinHandle<Result<Product, Failure>>,
     report: Arc<Report>,
     sign: &'static str,
@@ -88,14 +88,14 @@ pub enum Then {
     LeaveAnyway,
 }
 
-impl Job {
-    fn start<W>(work: W, sign: &'static str, is_save: bool, then: Then) -> Job
+impl RunningJob {
+    fn start<W>(work: W, sign: &'static str, is_save: bool, then: Then) -> RunningJob
     where
         W: FnOnce(&Report) -> Result<Product, Failure> + Send + 'static,
     {
         let report = Arc::new(Report::default());
         let told = report.clone();
-        Job {
+        RunningJob {
             thread: std::thread::spawn(move || work(&told)),
             report,
             sign,
@@ -126,7 +126,7 @@ pub(super) struct Ended {
 /// The long work of an editor: at most one job.
 #[derive(Default)]
 pub(super) struct Jobs {
-    job: Option<Job>,
+    job: Option<RunningJob>,
     /// It may do what cannot be undone.
     irreversible: bool,
 }
@@ -137,7 +137,7 @@ impl Jobs {
     }
 
     pub fn busy(&self) -> Option<Busy> {
-        self.job.as_ref().map(Job::busy)
+        self.job.as_ref().map(RunningJob::busy)
     }
 
     /// Lets the present job do what cannot be undone.
@@ -169,7 +169,7 @@ impl Jobs {
         };
         let is_save = matches!(command, Command::Save { .. });
         let work = move |report: &Report| Ok(Product::Change(Box::new(work(report)?)));
-        self.job = Some(Job::start(work, sign, is_save, then));
+        self.job = Some(RunningJob::start(work, sign, is_save, then));
     }
 
     /// Runs work on a thread that does not change the sculpture. Refused during other work, with the reason for the
@@ -180,7 +180,7 @@ impl Jobs {
     {
         self.require_idle(sign)?;
         let work = move |report: &Report| work(report).map(Product::Note);
-        self.job = Some(Job::start(work, sign, false, Then::Stay));
+        self.job = Some(RunningJob::start(work, sign, false, Then::Stay));
         Ok(())
     }
 
@@ -196,7 +196,7 @@ impl Jobs {
             let (session, notice) = work(report)?;
             Ok(Product::Session(Box::new(session), notice))
         };
-        self.job = Some(Job::start(work, SIGN, false, Then::Stay));
+        self.job = Some(RunningJob::start(work, SIGN, false, Then::Stay));
         Ok(())
     }
 
@@ -214,7 +214,7 @@ impl Jobs {
 
     /// Waits for long work, if there is any, and returns its outcome.
     pub fn finish(&mut self) -> Option<Ended> {
-        let Job { thread, sign, then, .. } = self.job.take()?;
+        let RunningJob { thread, sign, then, .. } = self.job.take()?;
         Some(Ended { result: thread.join().ok(), sign, then })
     }
 

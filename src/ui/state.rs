@@ -7,7 +7,7 @@ use egui::Ui;
 use glam::Vec3;
 
 use super::context::UiContext;
-use super::dialogs::{Dialogs, Shared};
+use super::dialogs::{DialogContext, Dialogs};
 use super::layout::{Appearance, PanelLayout, Scale};
 use super::memory::recent::Recent;
 use super::memory::upright::Upright;
@@ -137,7 +137,7 @@ impl UiState {
 
     /// Shows the open dialogs and windows.
     pub fn show_dialogs(&mut self, root: &Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
-        let mut shared = Shared {
+        let mut shared = DialogContext {
             context,
             is_busy: self.dialogs.busy.is_some(),
             view: &mut self.view,
@@ -151,7 +151,7 @@ impl UiState {
             paste: None,
         };
         self.dialogs.show(root, &mut shared);
-        let Shared { led_to, paste, .. } = shared;
+        let DialogContext { led_to, paste, .. } = shared;
         if let Some(spot) = led_to {
             self.layout.lead_to(spot);
         }

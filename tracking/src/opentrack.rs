@@ -83,7 +83,7 @@ pub fn decode(datagram: &[u8], signs: Signs) -> Result<Placement, DatagramError>
 }
 
 #[derive(Default)]
-struct Shared {
+struct SharedListener {
     inbox: Inbox,
     stop: AtomicBool,
     accepted: AtomicU64,
@@ -97,7 +97,7 @@ struct Shared {
 pub struct Opentrack {
     name: String,
     address: SocketAddr,
-    shared: Arc<Shared>,
+    shared: Arc<SharedListener>,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -108,7 +108,7 @@ impl Opentrack {
         let socket = UdpSocket::bind(options.listen)?;
         socket.set_read_timeout(Some(Duration::from_millis(50)))?;
         let address = socket.local_addr()?;
-        let shared = Arc::new(Shared::default());
+        let shared = Arc::new(SharedListener::default());
         let on_thread = shared.clone();
         let thread = thread::Builder::new()
             .name("opentrack".to_owned())
@@ -123,7 +123,7 @@ impl Opentrack {
     }
 }
 
-impl Shared {
+impl SharedListener {
     fn hear(&self, socket: &UdpSocket, options: &OpentrackOptions, clock: HostClock) {
         let source: Arc<str> = options.label.as_str().into();
         let mut bytes = vec![0; ANY_DATAGRAM_BYTES];

@@ -17,6 +17,7 @@ use crate::command::{Command, SelectOp};
 use crate::sculpture::edit::{EditOp, EditStats};
 use crate::sculpture::history::{Contents, StepChange, SurfaceKind};
 use crate::sculpture::orientation::Orientation;
+use crate::tools::brush::BrushUse;
 use crate::tools::repair::{Repair, RepairPlan};
 
 /// Counters of changes. A refused command and a trial restore them: copies elsewhere then stay current, and a replay of
@@ -45,11 +46,19 @@ impl Document {
             Command::Begin { label } => self.begin_stroke(label),
             Command::End => self.end_stroke(),
             Command::Cancel => self.cancel_stroke(),
-            Command::Construct { .. }
-            | Command::DrawnSolid { .. }
-            | Command::Texture { .. }
-            | Command::Brush(_)
-            | Command::Paste { .. } => self.use_tool(command),
+            Command::Construct { op, primitive, to_vx } => self.use_tool(command, |document| {
+                solids::construct(&mut document.target, *op, primitive, *to_vx)
+            }),
+            Command::DrawnSolid { op, drawn } => {
+                self.use_tool(command, |document| solids::draw(&mut document.target, *op, drawn))
+            }
+            Command::Texture { primitive, picture } => self.use_tool(command, |document| {
+                solids::texture(&mut document.target, primitive, &document.pictures, picture)
+            }),
+            Command::Brush(used) => self.use_tool(command, |document| document.brush(used)),
+            Command::Paste { at, orientation } => {
+                self.use_tool(command, |document| document.paste(*at, *orientation))
+            }
             Command::Array { count, step } => self.array(*count, *step, command),
             Command::Fill { area, colour } => {
                 self.edit(command, |target| areas::edit(target, *area, EditOp::Add(*colour)))
@@ -73,12 +82,22 @@ impl Document {
             }
             Command::Cut => self.cut(command),
             Command::Move { by, orientation } => self.move_marked(*by, *orientation, command),
-            Command::Mark(_)
-            | Command::Select(_)
-            | Command::Limit(_)
-            | Command::Irreversible(_)
-            | Command::Symmetry(_)
-            | Command::Place(_) => self.set(command).map(|()| Applied::default()),
+            Command::Mark(marker) => set(self.target.selection.set_marker(*marker)),
+            Command::Select(op) => set(self.select(*op)),
+            Command::Limit(on) => {
+                self.target.selection.set_limits(*on);
+                Ok(Applied::default())
+            }
+            Command::Irreversible(on) => {
+                self.timeline.irreversible = *on;
+                Ok(Applied::default())
+            }
+            Command::Symmetry(symmetry) => {
+                set(symmetry.check().map(|()| self.target.symmetry = *symmetry))
+            }
+            Command::Place(placement) => {
+                set(placement.check().map(|()| self.placement = *placement))
+            }
             Command::Orient(orientation) => self.orient(*orientation, command),
             Command::Repair(repair) => {
                 let plan = plan_repair(&self.target.contents, repair, self.limits(), &())?;
@@ -183,32 +202,29 @@ impl Document {
     }
 
     /// Uses a tool once and remembers it for arrays.
-    fn use_tool(&mut self, command: &Command) -> Result<Applied, CommandError> {
-        let Document { target, strokes, clip, pictures, .. } = self;
-        let stats = match command {
-            Command::Construct { op, primitive, to_vx } => {
-                solids::construct(target, *op, primitive, *to_vx)?
-            }
-            Command::DrawnSolid { op, drawn } => solids::draw(target, *op, drawn)?,
-            Command::Texture { primitive, picture } => {
-                solids::texture(target, primitive, pictures, picture)?
-            }
-            Command::Brush(used) => {
-                let stats = brush::use_brush(target, strokes, pictures, used)?;
-                if used.replaces_stroke() {
-                    self.timeline.return_to_settled();
-                }
-                stats
-            }
-            Command::Paste { at, orientation } => {
-                let clip = clip.as_deref().ok_or(CommandError::NothingToPaste)?;
-                clipboard::paste(target, clip, *at, *orientation)?
-            }
-            _ => EditStats::default(),
-        };
+    fn use_tool(
+        &mut self,
+        command: &Command,
+        work: impl FnOnce(&mut Document) -> Result<EditStats, CommandError>,
+    ) -> Result<Applied, CommandError> {
+        let stats = work(self)?;
         let applied = self.applied(stats, command)?;
         self.strokes.note_use(command);
         Ok(applied)
+    }
+
+    fn brush(&mut self, used: &BrushUse) -> Result<EditStats, CommandError> {
+        let Document { target, strokes, pictures, .. } = self;
+        let stats = brush::use_brush(target, strokes, pictures, used)?;
+        if used.replaces_stroke() {
+            self.timeline.return_to_settled();
+        }
+        Ok(stats)
+    }
+
+    fn paste(&mut self, at: IVec3, orientation: Orientation) -> Result<EditStats, CommandError> {
+        let clip = self.clip.as_deref().ok_or(CommandError::NothingToPaste)?;
+        clipboard::paste(&mut self.target, clip, at, orientation)
     }
 
     /// Repeats the last operation, each time further on. All copies together become the last operation.
@@ -262,28 +278,6 @@ impl Document {
             self.target.selection.set_marker(before)?;
         }
         applied
-    }
-
-    /// Executes a command that sets how and where tools work, the placement, or what the history allows.
-    fn set(&mut self, command: &Command) -> Result<(), CommandError> {
-        match command {
-            Command::Mark(marker) => {
-                self.target.selection.set_marker(*marker)?;
-            }
-            Command::Select(op) => self.select(*op)?,
-            Command::Limit(on) => self.target.selection.set_limits(*on),
-            Command::Irreversible(on) => self.timeline.irreversible = *on,
-            Command::Symmetry(symmetry) => {
-                symmetry.check()?;
-                self.target.symmetry = *symmetry;
-            }
-            Command::Place(placement) => {
-                placement.check()?;
-                self.placement = *placement;
-            }
-            _ => {}
-        }
-        Ok(())
     }
 
     fn select(&mut self, op: SelectOp) -> Result<(), CommandError> {
@@ -427,4 +421,9 @@ impl Document {
         self.strokes.forget_last_uses();
         Ok(Applied { stats: EditStats::default(), steps: done })
     }
+}
+
+/// Returns the effect of a command that sets how and where tools work, the placement, or what the history allows.
+fn set<E: Into<CommandError>>(done: Result<(), E>) -> Result<Applied, CommandError> {
+    done.map(|()| Applied::default()).map_err(Into::into)
 }

@@ -71,7 +71,7 @@ pub fn to_contents(
     limits: &Limits,
     progress: &dyn Progress,
 ) -> Result<Contents, FormatError> {
-    let job = Job { volume, options, limits, signature, progress };
+    let job = VolumeImport { volume, options, limits, signature, progress };
     let form = signature.map(|s| s.form);
     let packed = match options.colouring {
         Colouring::Packed => true,
@@ -108,7 +108,7 @@ pub fn trusted_signature(volume: &Volume) -> Option<Signature> {
     }
 }
 
-struct Job<'a> {
+struct VolumeImport<'a> {
     volume: &'a Volume,
     options: &'a ImportOptions,
     limits: &'a Limits,
@@ -116,7 +116,7 @@ struct Job<'a> {
     progress: &'a dyn Progress,
 }
 
-impl Job<'_> {
+impl VolumeImport<'_> {
     fn densities<const B: usize>(
         &self,
         value: impl Fn(&[u8; B]) -> f32 + Sync + Copy,

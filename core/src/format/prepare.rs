@@ -64,7 +64,7 @@ pub fn prepare(
         || !volume.samples.is_density()
         || matches!(options.colouring, Colouring::Packed | Colouring::Labels);
     progress.begin("resampling to cubic voxels");
-    let job = Job { volume: &volume, dims, edge: voxel_size.x, progress };
+    let job = Preparation { volume: &volume, dims, edge: voxel_size.x, progress };
     let data = if exact { job.nearest() } else { job.linear() };
     progress.end();
     go_on(progress)?;
@@ -88,7 +88,7 @@ fn cut(volume: &mut Volume, low: UVec3, dims: UVec3) {
     volume.dims = dims;
 }
 
-struct Job<'a> {
+struct Preparation<'a> {
     volume: &'a Volume,
     dims: UVec3,
     edge: f32,
@@ -109,7 +109,7 @@ impl Place {
     }
 }
 
-impl Job<'_> {
+impl Preparation<'_> {
     /// Returns the positions along an axis. The centres of both volumes coincide; the outermost voxels are extended.
     fn places(&self, axis: usize) -> Vec<Place> {
         let (old, new) = (self.volume.dims[axis], self.dims[axis]);

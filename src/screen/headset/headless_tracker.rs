@@ -26,7 +26,7 @@ const POLL_INTERVAL: Duration = Duration::from_millis(4);
 const RETRY_INTERVAL: Duration = Duration::from_secs(2);
 
 /// Shared by the thread and the program.
-struct Shared {
+struct SharedPose {
     inbox: Inbox,
     stop: AtomicBool,
     /// `None` without a session.
@@ -37,7 +37,7 @@ struct Shared {
     connections: AtomicU64,
 }
 
-impl Shared {
+impl SharedPose {
     fn set_state(&self, state: SourceState) {
         *self.state.lock().unwrap_or_else(PoisonError::into_inner) = state;
     }
@@ -53,7 +53,7 @@ impl Shared {
 
 /// A source of head poses. Dropping it ends the session.
 pub struct HeadsetTracker {
-    shared: Arc<Shared>,
+    shared: Arc<SharedPose>,
     thread: RuntimeThread,
 }
 
@@ -64,7 +64,7 @@ impl HeadsetTracker {
         origin: RoomOrigin,
         clock: HostClock,
     ) -> std::io::Result<HeadsetTracker> {
-        let shared = Arc::new(Shared {
+        let shared = Arc::new(SharedPose {
             inbox: Inbox::default(),
             stop: AtomicBool::new(false),
             locator: Mutex::new(None),
@@ -81,7 +81,7 @@ impl HeadsetTracker {
 }
 
 /// Connects, reports the head until the session ends, and connects again.
-fn run(shared: &Shared, options: &LocatorOptions) {
+fn run(shared: &SharedPose, options: &LocatorOptions) {
     let LocatorOptions { label, clock, .. } = options;
     while !shared.is_stopping() {
         let reason = match HeadlessSession::connect() {
@@ -142,7 +142,7 @@ impl HeadlessSession {
     }
 
     /// Reports the head until the source is dropped, or the runtime ends the session.
-    fn track(&mut self, shared: &Shared, options: &LocatorOptions) -> Result<()> {
+    fn track(&mut self, shared: &SharedPose, options: &LocatorOptions) -> Result<()> {
         *shared.locator() = Some(HeadLocator::new(&self.session, options)?);
         let mut lifecycle = Lifecycle::default();
         let mut events = xr::EventDataBuffer::new();
@@ -180,7 +180,7 @@ impl HeadlessSession {
     /// Appends the present head pose, if the head is tracked.
     fn report_pose(
         &self,
-        shared: &Shared,
+        shared: &SharedPose,
         clock: HostClock,
         events: &mut Vec<Event>,
     ) -> Result<()> {

@@ -25,10 +25,10 @@ const RESPONSE_TIMEOUT: Duration = Duration::from_millis(100);
 #[derive(Clone)]
 pub struct SessionHead {
     options: LocatorOptions,
-    shared: Arc<Mutex<Shared>>,
+    shared: Arc<Mutex<SharedHead>>,
 }
 
-enum Shared {
+enum SharedHead {
     /// No session, for this reason.
     Nothing(String),
     /// A session, with the names of its runtime and headset.
@@ -84,11 +84,11 @@ impl SessionHead {
     pub fn new(label: &str, origin: RoomOrigin, clock: HostClock) -> SessionHead {
         SessionHead {
             options: LocatorOptions { label: Arc::from(label), origin, clock },
-            shared: Arc::new(Mutex::new(Shared::Nothing(not_connected()))),
+            shared: Arc::new(Mutex::new(SharedHead::Nothing(not_connected()))),
         }
     }
 
-    fn shared(&self) -> MutexGuard<'_, Shared> {
+    fn shared(&self) -> MutexGuard<'_, SharedHead> {
         self.shared.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -103,10 +103,10 @@ impl SessionHead {
         let shared = match converts_time {
             true => {
                 let locator = HeadLocator::new(session, &self.options)?;
-                Shared::Session(LocatorThread::new(locator)?, name.to_owned())
+                SharedHead::Session(LocatorThread::new(locator)?, name.to_owned())
             }
             false => {
-                Shared::Nothing(format!("{name} does not report its time; update the runtime"))
+                SharedHead::Nothing(format!("{name} does not report its time; update the runtime"))
             }
         };
         *self.shared() = shared;
@@ -132,7 +132,7 @@ pub(super) struct HeadShare(SessionHead);
 
 impl Drop for HeadShare {
     fn drop(&mut self) {
-        *self.0.shared() = Shared::Nothing(not_connected());
+        *self.0.shared() = SharedHead::Nothing(not_connected());
     }
 }
 
@@ -153,7 +153,7 @@ impl Source for SessionHeadSource {
     fn poll(&mut self, now_s: f64, events: &mut Vec<Event>) {
         let source = self.head.options.label.clone();
         let mut shared = self.head.shared();
-        let has_session = matches!(*shared, Shared::Session(..));
+        let has_session = matches!(*shared, SharedHead::Session(..));
         if has_session != std::mem::replace(&mut self.has_session, has_session) {
             self.counters.connections += u64::from(has_session);
             let time_s = now_s;
@@ -163,8 +163,8 @@ impl Source for SessionHeadSource {
             });
         }
         self.state = match &mut *shared {
-            Shared::Nothing(reason) => SourceState::Seeking(reason.clone()),
-            Shared::Session(thread, name) => match thread.locate(now_s) {
+            SharedHead::Nothing(reason) => SourceState::Seeking(reason.clone()),
+            SharedHead::Session(thread, name) => match thread.locate(now_s) {
                 Ok(HeadLocation::Tracked(pose)) => {
                     self.counters.accepted += 1;
                     events.push(Event::Pose(pose));
@@ -191,7 +191,7 @@ impl Source for SessionHeadSource {
     }
 
     fn located(&mut self, _sensor: u32, display_time_s: f64) -> Option<HeadPose> {
-        let Shared::Session(thread, _) = &mut *self.head.shared() else { return None };
+        let SharedHead::Session(thread, _) = &mut *self.head.shared() else { return None };
         match thread.locate(display_time_s) {
             Ok(HeadLocation::Tracked(pose)) => Some(pose),
             // The owner of the session gets errors as well, and reports them.

@@ -41,7 +41,7 @@ pub enum X11PenError {
 
 /// The pens of an X11 display.
 pub struct X11Pens {
-    reader: Arc<Mutex<Reader>>,
+    reader: Arc<Mutex<XInputReader>>,
     inbox: Inbox,
     stop: Option<StopSignal>,
     thread: Option<JoinHandle<()>>,
@@ -59,7 +59,7 @@ impl X11Pens {
         wake: impl Fn() + Send + 'static,
     ) -> Result<X11Pens, X11PenError> {
         let inbox = Inbox::default();
-        let reader = Reader::new(display, inbox.clone())?;
+        let reader = XInputReader::new(display, inbox.clone())?;
         let connection = reader.connection.clone();
         let reader = Arc::new(Mutex::new(reader));
         let (stop, stopped) = StopSignal::new()?;
@@ -106,11 +106,16 @@ impl Drop for X11Pens {
     }
 }
 
-fn lock(reader: &Mutex<Reader>) -> MutexGuard<'_, Reader> {
+fn lock(reader: &Mutex<XInputReader>) -> MutexGuard<'_, XInputReader> {
     reader.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-fn run(connection: &RustConnection, reader: &Mutex<Reader>, stopped: &PipeReader, wake: impl Fn()) {
+fn run(
+    connection: &RustConnection,
+    reader: &Mutex<XInputReader>,
+    stopped: &PipeReader,
+    wake: impl Fn(),
+) {
     let error: X11PenError = loop {
         match lock(reader).drain() {
             Ok(true) => wake(),
@@ -128,7 +133,7 @@ fn run(connection: &RustConnection, reader: &Mutex<Reader>, stopped: &PipeReader
 
 /// Describes the support by the session's server in a line.
 pub fn survey() -> Result<String, X11PenError> {
-    let reader = Reader::new(None, Inbox::default())?;
+    let reader = XInputReader::new(None, Inbox::default())?;
     Ok(match reader.devices.is_empty() {
         true => "no tablet connected (X11, XInput 2)".to_string(),
         false => format!("{} (X11)", reader.devices.names().join(", ")),
@@ -136,7 +141,7 @@ pub fn survey() -> Result<String, X11PenError> {
 }
 
 /// Reads the connection.
-struct Reader {
+struct XInputReader {
     connection: Arc<RustConnection>,
     atoms: AxisAtoms,
     devices: PenDevices,
@@ -146,8 +151,8 @@ struct Reader {
     early: Option<Event>,
 }
 
-impl Reader {
-    fn new(display: Option<&str>, inbox: Inbox) -> Result<Reader, X11PenError> {
+impl XInputReader {
+    fn new(display: Option<&str>, inbox: Inbox) -> Result<XInputReader, X11PenError> {
         let (connection, screen) = x11rb::connect(display)?;
         let root = connection.setup().roots.get(screen).ok_or(X11PenError::NoXInput)?.root;
         let name = x11rb::protocol::xinput::X11_EXTENSION_NAME;
@@ -166,7 +171,7 @@ impl Reader {
         let atoms = AxisAtoms { x, pressure, tilt_x, tilt_y };
         let connection = Arc::new(connection);
         let (devices, windows) = (PenDevices::default(), Vec::new());
-        let mut reader = Reader { connection, atoms, devices, windows, inbox, early: None };
+        let mut reader = XInputReader { connection, atoms, devices, windows, inbox, early: None };
         // Pens come and go; those of some drivers appear at their first use.
         let changes = XIEventMask::HIERARCHY | XIEventMask::DEVICE_CHANGED;
         let masks = [EventMask { deviceid: Device::ALL.into(), mask: vec![changes] }];

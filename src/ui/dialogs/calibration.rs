@@ -4,7 +4,7 @@
 
 use egui::{Align2, Key, RichText, Ui, Window, vec2};
 
-use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::dialogs::shared::{Dialog, DialogContext};
 use crate::ui::request::UiRequest;
 use crate::viewpoint::head::CalibrationStep;
 
@@ -22,8 +22,8 @@ impl Dialog for Calibration {
         self.open
     }
 
-    fn show(&mut self, root: &Ui, shared: &mut Shared) {
-        let Shared { context, requests, .. } = shared;
+    fn show(&mut self, root: &Ui, shared: &mut DialogContext) {
+        let DialogContext { context, requests, .. } = shared;
         let Some(calibration) = &context.head.calibration else { return };
         let mut ask = |step| requests.push(UiRequest::Calibrate(step));
         let frame = Window::new("Calibrate the head tracker").collapsible(false).resizable(false);

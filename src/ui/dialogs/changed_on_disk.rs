@@ -7,7 +7,7 @@ use egui::{Id, Modal, Ui};
 use crate::command::Command;
 use crate::editor::questions::{ChangedOnDisk, Next};
 use crate::format::options::ImportOptions;
-use crate::ui::dialogs::shared::{Dialog, FileTask, Opening, Shared};
+use crate::ui::dialogs::shared::{Dialog, DialogContext, FileTask, Opening};
 use crate::ui::request::UiRequest;
 use crate::ui::widgets::theme;
 
@@ -20,7 +20,7 @@ impl Dialog for Option<ChangedOnDisk> {
         self.take().is_some()
     }
 
-    fn show(&mut self, root: &Ui, shared: &mut Shared) {
+    fn show(&mut self, root: &Ui, shared: &mut DialogContext) {
         let Some(file @ ChangedOnDisk { path, .. }) = &*self else { return };
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
         let mut is_answered = false;

@@ -16,7 +16,7 @@ use crate::format::{
 use crate::mesh::MeshKind;
 use crate::sculpture::history::SurfaceKind;
 use crate::ui::context::UiContext;
-use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::dialogs::shared::{Dialog, DialogContext};
 use crate::ui::request::UiRequest;
 use crate::ui::widgets::names::capital;
 use crate::ui::widgets::theme;
@@ -117,8 +117,8 @@ impl Dialog for ExportDialog {
         self.path.take().is_some()
     }
 
-    fn show(&mut self, root: &Ui, shared: &mut Shared) {
-        let Shared { context, requests, .. } = shared;
+    fn show(&mut self, root: &Ui, shared: &mut DialogContext) {
+        let DialogContext { context, requests, .. } = shared;
         let Some(path) = self.path.clone() else { return };
         self.surface = context.document.contents().surface;
         let response = Modal::new(Id::new("export")).show(root.ctx(), |ui| {

@@ -11,7 +11,7 @@ use crate::editor::tool::ToolEdit;
 use crate::format::exports;
 use crate::format::options::{ExportOptions, ImportOptions};
 use crate::ui::dialogs::look;
-use crate::ui::dialogs::shared::{Dialog, FileTask, Opening, Shared};
+use crate::ui::dialogs::shared::{Dialog, DialogContext, FileTask, Opening};
 use crate::ui::request::UiRequest;
 
 /// The ending of the program's own files.
@@ -131,7 +131,7 @@ impl Dialog for Files {
         Files::is_open(self)
     }
 
-    fn show(&mut self, root: &Ui, shared: &mut Shared) {
+    fn show(&mut self, root: &Ui, shared: &mut DialogContext) {
         let ask = &mut shared.ask_import;
         let Files { dialog, task, exports, export, .. } = self;
         // The library draws its search field black in any theme: dark text would be unreadable.

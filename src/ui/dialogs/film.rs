@@ -6,7 +6,7 @@ use egui::{ComboBox, DragValue, Grid, Id, Key, Modal, Slider, Ui};
 use glam::UVec2;
 
 use crate::ui::dialogs::picture_size::PictureSize;
-use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::dialogs::shared::{Dialog, DialogContext};
 use crate::ui::pictures::{FilmForm, FilmRequest, FilmSubject};
 use crate::ui::request::UiRequest;
 use crate::ui::widgets::theme;
@@ -80,8 +80,8 @@ impl Dialog for FilmDialog {
         std::mem::take(&mut self.open)
     }
 
-    fn show(&mut self, root: &Ui, shared: &mut Shared) {
-        let Shared { context, requests, .. } = shared;
+    fn show(&mut self, root: &Ui, shared: &mut DialogContext) {
+        let DialogContext { context, requests, .. } = shared;
         if !self.open {
             return;
         }

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use crate::shade::Pixels;
 use crate::ui::dialogs::final_choices::FinalDialog;
 use crate::ui::dialogs::final_rows::{file, ground, lamp, lens, light, quality};
-use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::dialogs::shared::{Dialog, DialogContext};
 use crate::ui::request::UiRequest;
 use crate::ui::widgets::theme;
 use egui::{
@@ -66,8 +66,8 @@ impl Dialog for FinalDialog {
         std::mem::take(&mut self.open)
     }
 
-    fn show(&mut self, root: &Ui, shared: &mut Shared) {
-        let Shared { context, requests, .. } = shared;
+    fn show(&mut self, root: &Ui, shared: &mut DialogContext) {
+        let DialogContext { context, requests, .. } = shared;
         if !self.open {
             return;
         }

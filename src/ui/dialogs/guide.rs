@@ -14,7 +14,7 @@ use crate::sculpture::region::VoxelBox;
 use crate::tools::brush::BrushId;
 use crate::tools::solid::Solid;
 use crate::ui::context::UiContext;
-use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::dialogs::shared::{Dialog, DialogContext};
 use crate::ui::request::UiRequest;
 use crate::ui::widgets::theme;
 
@@ -242,8 +242,8 @@ impl Dialog for Guide {
         std::mem::take(&mut self.open)
     }
 
-    fn show(&mut self, root: &Ui, shared: &mut Shared) {
-        let Shared { context, requests, .. } = shared;
+    fn show(&mut self, root: &Ui, shared: &mut DialogContext) {
+        let DialogContext { context, requests, .. } = shared;
         if !self.open {
             return;
         }

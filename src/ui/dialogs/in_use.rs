@@ -6,7 +6,7 @@ use egui::{Id, Modal, Ui};
 
 use crate::editor::questions::InUse;
 use crate::time_text::utc_text;
-use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::dialogs::shared::{Dialog, DialogContext};
 use crate::ui::request::UiRequest;
 use crate::ui::widgets::theme;
 
@@ -19,7 +19,7 @@ impl Dialog for Option<InUse> {
         self.take().is_some()
     }
 
-    fn show(&mut self, root: &Ui, shared: &mut Shared) {
+    fn show(&mut self, root: &Ui, shared: &mut DialogContext) {
         let requests = &mut *shared.requests;
         let Some(InUse { path, holder }) = &*self else { return };
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();

@@ -8,7 +8,7 @@ use crate::input::listener::{CapturedInput, Listener};
 use crate::input::remap::KeyChange;
 use crate::input::{Action, Bindings, Trigger};
 use crate::ui::context::UiContext;
-use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::dialogs::shared::{Dialog, DialogContext};
 use crate::ui::request::UiRequest;
 use crate::ui::widgets::names::capital;
 use crate::ui::widgets::theme;
@@ -108,7 +108,7 @@ impl Dialog for KeyCatch {
         self.waiting.is_some()
     }
 
-    fn show(&mut self, root: &Ui, shared: &mut Shared) {
+    fn show(&mut self, root: &Ui, shared: &mut DialogContext) {
         let Some(catch) = &self.waiting else { return };
         let mut over = false;
         let response = Modal::new(Id::new("key catch")).show(root.ctx(), |ui| {

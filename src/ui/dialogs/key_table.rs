@@ -10,7 +10,7 @@ use crate::input::remap::KeyChange;
 use crate::input::{Action, Bindings, Trigger};
 use crate::ui::context::UiContext;
 use crate::ui::dialogs::key_catch::KeyCatch;
-use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::dialogs::shared::{Dialog, DialogContext};
 use crate::ui::request::UiRequest;
 use crate::ui::widgets::filter::Filter;
 use crate::ui::widgets::names::{capital, preset_name};
@@ -62,8 +62,8 @@ impl Dialog for KeyTable {
         std::mem::take(&mut self.open)
     }
 
-    fn show(&mut self, root: &Ui, shared: &mut Shared) {
-        let Shared { context, requests, .. } = shared;
+    fn show(&mut self, root: &Ui, shared: &mut DialogContext) {
+        let DialogContext { context, requests, .. } = shared;
         let preset = context.preset;
         let (Some(bindings), Some(pristine)) =
             (context.presets.get(preset), context.pristine.get(preset))

@@ -14,7 +14,7 @@ use crate::render::light::{
 use crate::render::{Finish, LightOptions};
 use crate::shade::{MAX_LIGHTS, Smoothing, ToneMapping};
 use crate::ui::dialogs::look;
-use crate::ui::dialogs::shared::{Dialog, FileTask, Opening, Shared};
+use crate::ui::dialogs::shared::{Dialog, DialogContext, FileTask, Opening};
 use crate::ui::view_state::ViewState;
 use crate::ui::widgets::spot::{self, Spot};
 use crate::ui::widgets::theme;
@@ -50,7 +50,7 @@ impl Dialog for LightWindow {
         std::mem::take(&mut self.open)
     }
 
-    fn show(&mut self, root: &Ui, shared: &mut Shared) {
+    fn show(&mut self, root: &Ui, shared: &mut DialogContext) {
         if !self.open {
             return;
         }

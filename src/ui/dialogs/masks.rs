@@ -10,7 +10,7 @@ use crate::editor::wand::{Wand, WandRule};
 use crate::sculpture::ColourDepth;
 use crate::tools::mask::{MAX_GROWTH_VX, MAX_REACH_VX};
 use crate::ui::context::UiContext;
-use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::dialogs::shared::{Dialog, DialogContext};
 use crate::ui::request::UiRequest;
 use crate::ui::widgets::theme;
 
@@ -49,8 +49,8 @@ impl Dialog for Masks {
         std::mem::take(&mut self.open)
     }
 
-    fn show(&mut self, root: &Ui, shared: &mut Shared) {
-        let Shared { context, requests, .. } = shared;
+    fn show(&mut self, root: &Ui, shared: &mut DialogContext) {
+        let DialogContext { context, requests, .. } = shared;
         if !self.open {
             return;
         }

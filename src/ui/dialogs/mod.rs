@@ -51,7 +51,7 @@ use self::palette::Palette;
 use self::print_check::PrintCheck;
 use self::recovery::RecoveryDialog;
 use self::references::ReferencesWindow;
-pub use self::shared::{Dialog, FileTask, Opening, Shared};
+pub use self::shared::{Dialog, DialogContext, FileTask, Opening};
 use self::tints::Tints;
 use crate::command::NewSculpture;
 use crate::editor::job::Busy;
@@ -124,7 +124,7 @@ impl Dialogs {
     }
 
     /// Shows the open dialogs, except the sign of long work.
-    pub fn show(&mut self, root: &Ui, shared: &mut Shared) {
+    pub fn show(&mut self, root: &Ui, shared: &mut DialogContext) {
         for row in LIST.iter().filter(|row| row.place.is_here(shared.context.in_headset)) {
             let asked = self.import.ask;
             shared.ask_import = asked;
@@ -138,7 +138,7 @@ impl Dialogs {
         }
     }
 
-    fn open(&mut self, opening: Opening, shared: &mut Shared) {
+    fn open(&mut self, opening: Opening, shared: &mut DialogContext) {
         match opening {
             Opening::Files(task, path) => self.files.open(task, path.as_deref()),
             Opening::Import { path, import, at_once } => {

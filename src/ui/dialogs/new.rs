@@ -7,7 +7,7 @@ use crate::command::{Command, NewSculpture};
 use crate::remedy::told;
 use crate::sculpture::grid::MAX_AXIS_VX;
 use crate::sculpture::{ColourDepth, Grid as VoxelGrid, Rgb};
-use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::dialogs::shared::{Dialog, DialogContext};
 use crate::ui::request::UiRequest;
 use crate::ui::widgets::theme;
 
@@ -52,8 +52,8 @@ impl Dialog for NewDialog {
         std::mem::take(&mut self.open)
     }
 
-    fn show(&mut self, root: &Ui, shared: &mut Shared) {
-        let Shared { context, requests, .. } = shared;
+    fn show(&mut self, root: &Ui, shared: &mut DialogContext) {
+        let DialogContext { context, requests, .. } = shared;
         if !self.open {
             return;
         }

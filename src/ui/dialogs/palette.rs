@@ -11,7 +11,7 @@ use crate::command::{COMMANDS, Command, CommandHelp};
 use crate::input::action::Kind;
 use crate::input::{Action, Bindings};
 use crate::ui::dialogs::elsewhere::{ELSEWHERE, Elsewhere, SearchTarget};
-use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::dialogs::shared::{Dialog, DialogContext};
 use crate::ui::request::UiRequest;
 use crate::ui::widgets::filter::Filter;
 use crate::ui::widgets::spot::Spot;
@@ -128,7 +128,7 @@ impl Dialog for Palette {
         self.open
     }
 
-    fn show(&mut self, root: &Ui, shared: &mut Shared) {
+    fn show(&mut self, root: &Ui, shared: &mut DialogContext) {
         if !self.open {
             return;
         }

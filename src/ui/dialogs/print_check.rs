@@ -16,7 +16,7 @@ use crate::sculpture::Rgb;
 use crate::sculpture::region::VoxelBox;
 use crate::tools::repair::Repair;
 use crate::ui::context::UiContext;
-use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::dialogs::shared::{Dialog, DialogContext};
 use crate::ui::request::UiRequest;
 use crate::ui::widgets::names::capital;
 use crate::ui::widgets::theme;
@@ -183,8 +183,8 @@ impl Dialog for PrintCheck {
         std::mem::take(&mut self.open)
     }
 
-    fn show(&mut self, root: &Ui, shared: &mut Shared) {
-        let Shared { context, requests, .. } = shared;
+    fn show(&mut self, root: &Ui, shared: &mut DialogContext) {
+        let DialogContext { context, requests, .. } = shared;
         self.take_news();
         if !self.open {
             return;

@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use egui::{ColorImage, Id, Image, Modal, ScrollArea, TextureHandle, TextureOptions, Ui, Vec2};
 
 use crate::shade::Pixels;
-use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::dialogs::shared::{Dialog, DialogContext};
 use crate::ui::request::UiRequest;
 use crate::ui::widgets::theme;
 
@@ -101,7 +101,7 @@ impl Dialog for RecoveryDialog {
         RecoveryDialog::close(self)
     }
 
-    fn show(&mut self, root: &Ui, shared: &mut Shared) {
+    fn show(&mut self, root: &Ui, shared: &mut DialogContext) {
         let requests = &mut *shared.requests;
         self.take_news();
         if !self.is_open() {

@@ -7,7 +7,7 @@ use std::path::Path;
 use egui::{ComboBox, DragValue, RichText, ScrollArea, Slider, Ui, Window, pos2};
 
 use crate::render::MAX_REFERENCES;
-use crate::ui::dialogs::shared::{Dialog, FileTask, Opening, Shared};
+use crate::ui::dialogs::shared::{Dialog, DialogContext, FileTask, Opening};
 use crate::ui::references::{HEIGHT_RANGE_VX, Layer, OFFSET_RANGE_VX, Reference, sides};
 use crate::ui::tasks::PasteAs;
 use crate::ui::widgets::names::capital;
@@ -36,7 +36,7 @@ impl Dialog for ReferencesWindow {
         std::mem::take(&mut self.open)
     }
 
-    fn show(&mut self, root: &Ui, shared: &mut Shared) {
+    fn show(&mut self, root: &Ui, shared: &mut DialogContext) {
         if !self.open {
             return;
         }

@@ -1,6 +1,6 @@
 //! The interface of dialogs: how they are shown, closed and queried, and what they see of the program.
 //!
-//! Each dialog implements [`Dialog`] for its own state, works through [`Shared`], and opens another dialog by an
+//! Each dialog implements [`Dialog`] for its own state, works through [`DialogContext`], and opens another dialog by an
 //! [`Opening`]. Knows no single dialog.
 
 use std::path::PathBuf;
@@ -33,11 +33,11 @@ pub trait Dialog {
     }
 
     /// Shows it if it is open.
-    fn show(&mut self, root: &Ui, shared: &mut Shared);
+    fn show(&mut self, root: &Ui, shared: &mut DialogContext);
 }
 
 /// The program as dialogs see it, the choices that they change directly, and their requests.
-pub struct Shared<'a> {
+pub struct DialogContext<'a> {
     pub context: &'a UiContext<'a>,
     /// There is long work.
     pub is_busy: bool,

@@ -12,7 +12,7 @@ use crate::sculpture::region::Region;
 use crate::sculpture::{ColourDepth, Rgb};
 use crate::tools::tint::{SIZE_RANGE, Tint};
 use crate::ui::context::UiContext;
-use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::dialogs::shared::{Dialog, DialogContext};
 use crate::ui::request::UiRequest;
 use crate::ui::widgets::theme;
 
@@ -127,8 +127,8 @@ impl Dialog for Tints {
         std::mem::take(&mut self.open)
     }
 
-    fn show(&mut self, root: &Ui, shared: &mut Shared) {
-        let Shared { context, requests, .. } = shared;
+    fn show(&mut self, root: &Ui, shared: &mut DialogContext) {
+        let DialogContext { context, requests, .. } = shared;
         if !self.open {
             return;
         }

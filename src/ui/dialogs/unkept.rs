@@ -6,7 +6,7 @@ use egui::{Id, Modal, Ui};
 
 use crate::command::Command;
 use crate::editor::questions::Unkept;
-use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::dialogs::shared::{Dialog, DialogContext};
 use crate::ui::request::UiRequest;
 use crate::ui::widgets::theme;
 
@@ -19,7 +19,7 @@ impl Dialog for Option<Unkept> {
         self.take().is_some()
     }
 
-    fn show(&mut self, root: &Ui, shared: &mut Shared) {
+    fn show(&mut self, root: &Ui, shared: &mut DialogContext) {
         let requests = &mut *shared.requests;
         let Some(Unkept { command, why }) = &*self else { return };
         // The end of a stroke is refused, but its result is visible.

@@ -5,7 +5,7 @@
 use egui::{Id, Modal, Ui};
 
 use crate::editor::questions::Next;
-use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::dialogs::shared::{Dialog, DialogContext};
 use crate::ui::request::UiRequest;
 use crate::ui::widgets::theme;
 
@@ -19,7 +19,7 @@ impl Dialog for Option<Next> {
         self.take().is_some()
     }
 
-    fn show(&mut self, root: &Ui, shared: &mut Shared) {
+    fn show(&mut self, root: &Ui, shared: &mut DialogContext) {
         let requests = &mut *shared.requests;
         let Some(next) = &*self else { return };
         let mut answer = None;

@@ -50,7 +50,7 @@ impl Default for ClientTiming {
 /// Longest read before the thread checks whether it should stop.
 const TICK: Duration = Duration::from_millis(50);
 
-struct Shared {
+struct SharedClient {
     server: ServerAddress,
     timing: ClientTiming,
     clock: HostClock,
@@ -64,7 +64,7 @@ struct Shared {
 /// `device@server`, as [`DeviceAddress`] prints it. Dropping it ends the conversation.
 pub struct Client {
     name: String,
-    shared: Arc<Shared>,
+    shared: Arc<SharedClient>,
     thread: JoinHandle<()>,
 }
 
@@ -81,7 +81,7 @@ impl Client {
             DeviceAddress { device: device.clone(), server: server.clone() }.to_string()
         };
         let labels = devices.iter().map(|device| (device.clone(), label(device).into()));
-        let shared = Arc::new(Shared {
+        let shared = Arc::new(SharedClient {
             timing,
             clock,
             session: Mutex::new(Session::new(labels)),
@@ -157,7 +157,7 @@ struct Link {
     udp: Option<UdpSocket>,
 }
 
-impl Shared {
+impl SharedClient {
     fn stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }

@@ -169,7 +169,7 @@ impl Message {
 
     /// Decodes a payload of `kind`.
     pub fn decode(kind: Kind, payload: &[u8]) -> Result<Self, MessageError> {
-        let mut r = Reader { kind, rest: payload, length: payload.len() };
+        let mut r = PayloadReader { kind, rest: payload, length: payload.len() };
         let message = match kind {
             Kind::Pose => {
                 let sensor = r.sensor()?;
@@ -302,13 +302,13 @@ fn write_placement(out: &mut Vec<u8>, position: DVec3, quat: DQuat) {
 }
 
 /// Reads a payload from its start; every read is checked.
-struct Reader<'a> {
+struct PayloadReader<'a> {
     kind: Kind,
     rest: &'a [u8],
     length: usize,
 }
 
-impl Reader<'_> {
+impl PayloadReader<'_> {
     fn bad_length(&self) -> MessageError {
         MessageError::Length(self.kind, self.length)
     }

@@ -17,7 +17,7 @@ use crate::vrpn::address::DEFAULT_PORT;
 use crate::vrpn::messages::{MAX_BUTTONS, Message};
 use crate::vrpn::peer::{DeviceState, MAX_KNOWN_SENSORS};
 use crate::vrpn::server_link::{accept_streams, answer_requests};
-use crate::vrpn::server_state::{Shared, State, Tally};
+use crate::vrpn::server_state::{SharedServer, State, Tally};
 use crate::vrpn::wire::{MAX_NAME_BYTES, Stamp};
 
 /// Address and limits.
@@ -78,7 +78,7 @@ pub struct ServerCounters {
 
 /// A running server. Dropping it ends all conversations and frees the port.
 pub struct Server {
-    shared: Arc<Shared>,
+    shared: Arc<SharedServer>,
     address: SocketAddr,
     threads: Vec<JoinHandle<()>>,
 }
@@ -98,7 +98,7 @@ impl Server {
         let (listener, requests) =
             bind_both(options.listen).map_err(|e| ServerError::Listen(options.listen, e))?;
         let address = listener.local_addr().map_err(|e| ServerError::Listen(options.listen, e))?;
-        let shared = Arc::new(Shared {
+        let shared = Arc::new(SharedServer {
             stop: AtomicBool::new(false),
             max_clients: options.max_clients,
             tally: Tally::default(),

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use crate::source::ANY_DATAGRAM_BYTES;
 use crate::vrpn::link::{Link, Outbox};
 use crate::vrpn::peer::Peer;
-use crate::vrpn::server_state::Shared;
+use crate::vrpn::server_state::SharedServer;
 use crate::vrpn::wire::{
     COOKIE, Frame, MAX_DATAGRAM_BYTES, Stamp, StreamReader, WireError, check_cookie,
     datagram_frames,
@@ -23,7 +23,7 @@ const GREETING_TIMEOUT: Duration = Duration::from_secs(3);
 const CONNECT_BACK_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// Accepts clients that connect by TCP.
-pub(crate) fn accept_streams(shared: &Arc<Shared>, listener: &TcpListener) {
+pub(crate) fn accept_streams(shared: &Arc<SharedServer>, listener: &TcpListener) {
     while !shared.stopped() {
         match listener.accept() {
             Ok(_) if shared.stopped() => return,
@@ -36,7 +36,7 @@ pub(crate) fn accept_streams(shared: &Arc<Shared>, listener: &TcpListener) {
 
 /// Connects back to clients that request it by UDP. Only to the address of the request, so that no client can direct
 /// the server at others.
-pub(crate) fn answer_requests(shared: &Arc<Shared>, requests: &UdpSocket) {
+pub(crate) fn answer_requests(shared: &Arc<SharedServer>, requests: &UdpSocket) {
     let mut bytes = vec![0; ANY_DATAGRAM_BYTES];
     while !shared.stopped() {
         let Ok((count, from)) = requests.recv_from(&mut bytes) else { continue };
@@ -77,7 +77,7 @@ pub(crate) fn requested_port(request: &[u8]) -> Option<u16> {
 }
 
 /// Starts the threads of a client, unless there are too many.
-fn take_client(shared: &Arc<Shared>, tcp: TcpStream, asked_from: Option<SocketAddr>) {
+fn take_client(shared: &Arc<SharedServer>, tcp: TcpStream, asked_from: Option<SocketAddr>) {
     let mut state = shared.state();
     state.threads.retain(|thread| !thread.is_finished());
     state.links.retain(|link| !link.is_closed());
@@ -100,7 +100,7 @@ fn take_client(shared: &Arc<Shared>, tcp: TcpStream, asked_from: Option<SocketAd
 
 /// Does the handshake with a client and reads from it until it disconnects.
 fn serve_client(
-    shared: &Arc<Shared>,
+    shared: &Arc<SharedServer>,
     tcp: TcpStream,
     asked_from: Option<SocketAddr>,
 ) -> io::Result<()> {
@@ -137,7 +137,7 @@ fn serve_client(
 }
 
 /// Queues the greeting and adds the link to those that receive reports, atomically.
-fn greet(shared: &Shared, link: &Arc<Link>) -> io::Result<()> {
+fn greet(shared: &SharedServer, link: &Arc<Link>) -> io::Result<()> {
     let udp_address = match &link.udp {
         Some(udp) => {
             let address = udp.local_addr()?;
@@ -164,7 +164,7 @@ fn wall_clock() -> Stamp {
     SystemTime::now().duration_since(UNIX_EPOCH).map_or(Stamp::default(), Stamp::from)
 }
 
-fn exchange_cookie(shared: &Shared, mut tcp: &TcpStream) -> io::Result<()> {
+fn exchange_cookie(shared: &SharedServer, mut tcp: &TcpStream) -> io::Result<()> {
     let until = Instant::now() + GREETING_TIMEOUT;
     let mut cookie = [0; COOKIE.len()];
     let mut filled = 0;
@@ -179,12 +179,12 @@ fn exchange_cookie(shared: &Shared, mut tcp: &TcpStream) -> io::Result<()> {
     check_cookie(&cookie).map_err(|error| reject(shared, error))
 }
 
-fn reject(shared: &Shared, error: WireError) -> io::Error {
+fn reject(shared: &SharedServer, error: WireError) -> io::Error {
     shared.tally.rejected.fetch_add(1, Ordering::Relaxed);
     io::Error::new(ErrorKind::InvalidData, error)
 }
 
-fn hear(shared: &Shared, link: &Link) -> io::Result<()> {
+fn hear(shared: &SharedServer, link: &Link) -> io::Result<()> {
     let mut reader = StreamReader::default();
     let mut peer = Peer::default();
     let (mut bytes, mut datagram) = ([0; 4096], vec![0; ANY_DATAGRAM_BYTES]);
@@ -208,7 +208,7 @@ fn hear(shared: &Shared, link: &Link) -> io::Result<()> {
 
 /// Handles datagrams: a client may send urgent messages by UDP.
 fn hear_datagrams(
-    shared: &Shared,
+    shared: &SharedServer,
     link: &Link,
     peer: &mut Peer,
     udp: &UdpSocket,
@@ -230,7 +230,7 @@ fn hear_datagrams(
     }
 }
 
-fn answer(shared: &Shared, link: &Link, peer: &mut Peer, frame: &Frame<'_>) {
+fn answer(shared: &SharedServer, link: &Link, peer: &mut Peer, frame: &Frame<'_>) {
     let before = peer.rejected;
     // Held until the answers are queued, so that changes cannot overtake button states.
     let state = shared.state();

@@ -19,7 +19,7 @@ pub(crate) struct Tally {
 }
 
 /// State shared by all threads of a server.
-pub(crate) struct Shared {
+pub(crate) struct SharedServer {
     pub(crate) stop: AtomicBool,
     pub(crate) max_clients: usize,
     pub(crate) tally: Tally,
@@ -32,7 +32,7 @@ pub(crate) struct State {
     pub(crate) threads: Vec<JoinHandle<()>>,
 }
 
-impl Shared {
+impl SharedServer {
     pub(crate) fn stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }

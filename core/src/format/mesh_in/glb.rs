@@ -65,7 +65,7 @@ const MOST_VISITS: u32 = 1 << 20;
 const MOST_TRIANGLES: usize = 1 << 25;
 const WHITE: Rgb = Rgb::new(255, 255, 255);
 
-struct Reader<'a> {
+struct GlbReader<'a> {
     glb: Glb<'a>,
     beside: Beside<'a>,
     out: Imported,
@@ -96,7 +96,7 @@ fn read(
     let kind = if glb.is_binary { "glTF 2.0, binary" } else { "glTF 2.0" };
     let out = Imported { kind: kind.to_string(), ..Imported::default() };
     let mut reader =
-        Reader { glb, beside, out, layings: Vec::new(), has_colours: false, visits: 0 };
+        GlbReader { glb, beside, out, layings: Vec::new(), has_colours: false, visits: 0 };
     reader.materials();
     for root in reader.roots()? {
         reader.node(root, Mat4::IDENTITY, 0)?;
@@ -155,7 +155,7 @@ impl Laying {
     }
 }
 
-impl Reader<'_> {
+impl GlbReader<'_> {
     /// Returns the root nodes of the scene; without a scene, all nodes that are no children.
     fn roots(&self) -> Result<Vec<usize>, FormatError> {
         let scene = whole(&self.glb.json, "scene").unwrap_or(0);

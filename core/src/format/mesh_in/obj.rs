@@ -35,7 +35,7 @@ pub static SPEC: FormatSpec = FormatSpec {
 const NONE: u32 = u32::MAX;
 
 #[derive(Default)]
-struct Reader {
+struct ObjReader {
     out: Imported,
     uvs: Vec<Vec2>,
     /// Colours of positions; none is white.
@@ -52,7 +52,7 @@ struct Reader {
 /// Reads the file of `path`, with materials and textures from its folder or below only.
 fn read(file: &[u8], path: &Path) -> Result<Imported, FormatError> {
     let folder = path.parent().unwrap_or(Path::new(""));
-    let mut reader = Reader { material: NONE, ..Reader::default() };
+    let mut reader = ObjReader { material: NONE, ..ObjReader::default() };
     let text = String::from_utf8_lossy(file);
     for (line, words) in whole_lines(&text) {
         let mut words = words.split_ascii_whitespace();
@@ -83,7 +83,7 @@ fn read(file: &[u8], path: &Path) -> Result<Imported, FormatError> {
     Ok(reader.finish())
 }
 
-impl Reader {
+impl ObjReader {
     fn position<'a>(
         &mut self,
         mut words: impl Iterator<Item = &'a str>,

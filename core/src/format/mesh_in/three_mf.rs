@@ -91,7 +91,8 @@ fn read(file: &[u8], budget_bytes: u64) -> Result<Imported, FormatError> {
     let (objects, colours, left_out) = (HashMap::new(), HashMap::new(), BTreeMap::new());
     let names = models.iter().map(|(name, _)| *name).collect();
     let (has_colours, visits) = (false, 0);
-    let mut reader = Reader { names, objects, colours, parts, left_out, out, has_colours, visits };
+    let mut reader =
+        ThreeMfReader { names, objects, colours, parts, left_out, out, has_colours, visits };
     for (number, (_, xml)) in models.iter().enumerate() {
         reader.resources(number, xml.root_element())?;
     }
@@ -190,7 +191,7 @@ fn colour(text: &str) -> Option<Rgb> {
 /// An object or a group of colours: the number of its model in the archive, and its own there.
 type Id = (usize, u32);
 
-struct Reader<'a, 'b> {
+struct ThreeMfReader<'a, 'b> {
     /// The models; the first one has the build.
     names: Vec<&'a str>,
     objects: HashMap<Id, Node<'a, 'b>>,
@@ -204,7 +205,7 @@ struct Reader<'a, 'b> {
     visits: u32,
 }
 
-impl<'a, 'b> Reader<'a, 'b> {
+impl<'a, 'b> ThreeMfReader<'a, 'b> {
     fn resources(
         &mut self,
         number_of_model: usize,

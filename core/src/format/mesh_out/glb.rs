@@ -7,7 +7,7 @@ use std::path::Path;
 use glam::Vec3;
 use serde_json::{Value, json};
 
-use super::{Job, Steps, create, finish, linear, put_vector};
+use super::{MeshExport, Steps, create, finish, linear, put_vector};
 use crate::format::FormatError;
 use crate::mesh::MeshKind;
 use crate::sculpture::Rgb;
@@ -49,7 +49,7 @@ impl Layout {
     }
 }
 
-pub fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
+pub fn write(job: &MeshExport, path: &Path) -> Result<(), FormatError> {
     let mesh = job.mesh;
     let has_normals = job.options.kind == MeshKind::Smooth;
     // Normals take a pass over the triangles, and are vectors of the vertices like positions and colours.
@@ -93,12 +93,12 @@ pub fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
 
 /// Returns the position of a vertex in the file.
 #[inline(always)]
-fn place(job: &Job, position: Vec3) -> Vec3 {
+fn place(job: &MeshExport, position: Vec3) -> Vec3 {
     job.space.place(position) * METRES_PER_MM
 }
 
 /// Returns the JSON part of a file, and the length of the buffer that it describes.
-fn description(job: &Job, has_normals: bool) -> (Vec<u8>, u64) {
+fn description(job: &MeshExport, has_normals: bool) -> (Vec<u8>, u64) {
     let mesh = job.mesh;
     let (vertices, indices) = (mesh.vertex_count(), 3 * mesh.triangle_count());
     let start = [Vec3::INFINITY, Vec3::NEG_INFINITY];
@@ -145,7 +145,11 @@ fn description(job: &Job, has_normals: bool) -> (Vec<u8>, u64) {
 }
 
 /// Writes the colours of the vertices, opaque and in linear light.
-fn put_colours(job: &Job, file: &mut impl Write, steps: &mut Steps) -> Result<(), FormatError> {
+fn put_colours(
+    job: &MeshExport,
+    file: &mut impl Write,
+    steps: &mut Steps,
+) -> Result<(), FormatError> {
     let table: Vec<[u8; 2]> = (0..=u8::MAX)
         .map(|channel| ((linear(channel) * 65535.0 + 0.5) as u16).to_le_bytes())
         .collect();
@@ -161,7 +165,7 @@ fn put_colours(job: &Job, file: &mut impl Write, steps: &mut Steps) -> Result<()
 }
 
 /// Returns the normals of the vertices: area-weighted means of the triangles' normals.
-fn normals(job: &Job, steps: &mut Steps) -> Result<Vec<Vec3>, FormatError> {
+fn normals(job: &MeshExport, steps: &mut Steps) -> Result<Vec<Vec3>, FormatError> {
     let mesh = job.mesh;
     job.need_bytes_a_vertex(size_of::<Vec3>())?;
     let mut normals = vec![Vec3::ZERO; mesh.vertex_count() as usize];

@@ -34,7 +34,7 @@ const BUFFER_BYTES: usize = 1 << 20;
 /// The writing of meshes of a format.
 pub struct MeshWriter {
     /// Writes a file, which appears when it is complete.
-    pub write: fn(&Job, &Path) -> Result<(), FormatError>,
+    pub write: fn(&MeshExport, &Path) -> Result<(), FormatError>,
     /// The capabilities of its files.
     pub traits: MeshTraits,
 }
@@ -97,7 +97,7 @@ impl Space {
 }
 
 /// A mesh to be written.
-pub struct Job<'a> {
+pub struct MeshExport<'a> {
     mesh: &'a Mesh,
     space: Space,
     options: &'a MeshOptions,
@@ -105,7 +105,7 @@ pub struct Job<'a> {
     progress: &'a dyn Progress,
 }
 
-impl Job<'_> {
+impl MeshExport<'_> {
     /// Returns an error if there is no memory for so many bytes per vertex beside the mesh.
     fn need_bytes_a_vertex(&self, bytes: usize) -> Result<(), FormatError> {
         let needed = self.mesh.heap_bytes() + self.mesh.vertex_count() * bytes as u64;

@@ -4,11 +4,11 @@
 use std::io::Write;
 use std::path::Path;
 
-use super::{Job, create, finish};
+use super::{MeshExport, create, finish};
 use crate::format::{FormatError, store};
 use crate::sculpture::Rgb;
 
-pub fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
+pub fn write(job: &MeshExport, path: &Path) -> Result<(), FormatError> {
     let mesh = job.mesh;
     let library = path.with_extension("mtl");
     let mut file = create(path)?;

@@ -3,11 +3,11 @@
 use std::io::Write;
 use std::path::Path;
 
-use super::{Job, count_of, create, finish, put_vector};
+use super::{MeshExport, count_of, create, finish, put_vector};
 use crate::format::FormatError;
 use crate::sculpture::Rgb;
 
-pub fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
+pub fn write(job: &MeshExport, path: &Path) -> Result<(), FormatError> {
     let mesh = job.mesh;
     // Indices are signed, as readers expect.
     let vertices = count_of(mesh.vertex_count(), i32::MAX as u64)?;

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use glam::Vec3;
 
-use super::{Job, MeshWriter, Space};
+use super::{MeshExport, MeshWriter, Space};
 use crate::format::options::MeshOptions;
 use crate::format::{FormatError, list};
 use crate::mesh::{
@@ -97,7 +97,7 @@ fn save_made(
     if let Some(triangles) = options.triangles {
         mesh = simplified(mesh, triangles, limits, progress)?;
     }
-    let job = Job { mesh: &mesh, space, options, budget: Budget::new(limits), progress };
+    let job = MeshExport { mesh: &mesh, space, options, budget: Budget::new(limits), progress };
     progress.begin("writing");
     let written = write(&job, path);
     progress.end();

@@ -3,13 +3,13 @@
 use std::io::Write;
 use std::path::Path;
 
-use super::{Job, count_of, create, finish};
+use super::{MeshExport, count_of, create, finish};
 use crate::format::FormatError;
 
 /// Must not begin with "solid", as text files do.
 const HEADER: &[u8] = b"Binary STL of Virtual Sculpture, millimetres";
 
-pub fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
+pub fn write(job: &MeshExport, path: &Path) -> Result<(), FormatError> {
     let mut header = [b' '; 80];
     header[..HEADER.len()].copy_from_slice(HEADER);
     let count = count_of(job.mesh.triangle_count(), u64::from(u32::MAX))?;

@@ -8,7 +8,7 @@ use std::path::Path;
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
-use super::{BUFFER_BYTES, Job, create, finish};
+use super::{BUFFER_BYTES, MeshExport, create, finish};
 use crate::format::FormatError;
 use crate::sculpture::Rgb;
 
@@ -82,7 +82,7 @@ impl<W: Seek> Seek for UntilError<W> {
     }
 }
 
-pub fn write(job: &Job, path: &Path) -> std::result::Result<(), FormatError> {
+pub fn write(job: &MeshExport, path: &Path) -> std::result::Result<(), FormatError> {
     let mesh = job.mesh;
     let elements = mesh.vertex_count() + mesh.triangle_count();
     let options = SimpleFileOptions::default()

@@ -60,7 +60,7 @@ impl JournalOptions {
 
 /// The state that the thread and the session share without waiting.
 #[derive(Debug, Default)]
-struct Shared {
+struct WriterState {
     /// Whether the thread requests a checkpoint.
     wanted: AtomicBool,
     /// The journal's number; 0 before it has one.
@@ -98,7 +98,7 @@ enum Message {
 #[derive(Debug)]
 pub struct JournalWriter {
     sender: SyncSender<Message>,
-    shared: Arc<Shared>,
+    shared: Arc<WriterState>,
     thread: Option<JoinHandle<()>>,
     /// Whether entries are missing: nothing is sent until a checkpoint is.
     gap: bool,
@@ -119,7 +119,7 @@ impl JournalWriter {
         checkpoint: Checkpoint,
     ) -> std::io::Result<JournalWriter> {
         let (sender, receiver) = sync_channel(QUEUE);
-        let shared = Arc::new(Shared::default());
+        let shared = Arc::new(WriterState::default());
         let mut work = Work {
             options: options.clone(),
             shared: shared.clone(),
@@ -267,7 +267,7 @@ impl Drop for JournalWriter {
 /// The state of the thread.
 struct Work {
     options: JournalOptions,
-    shared: Arc<Shared>,
+    shared: Arc<WriterState>,
     began_unix_s: u64,
     number: Option<u64>,
     /// The journal as it is on disk. Kept open, and so locked, even where nothing can be written to it.

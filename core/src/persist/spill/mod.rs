@@ -35,14 +35,14 @@ const PART_BYTES: usize = 1 << 22;
 /// Stores steps in a file that is removed when this and the last step are dropped.
 #[derive(Debug)]
 pub struct Spill {
-    shared: Arc<Shared>,
+    shared: Arc<SharedSpill>,
     writer: Option<JoinHandle<()>>,
 }
 
 /// The state that the thread, the steps and the session share. Locks are taken in this order: a spilled step's, `file`,
 /// `state`.
 #[derive(Debug)]
-struct Shared {
+struct SharedSpill {
     place: Box<dyn PlaceSync>,
     file: Mutex<Option<Box<dyn SpillFile>>>,
     state: Mutex<State>,
@@ -115,7 +115,7 @@ impl Spill {
     ) -> Result<Spill> {
         let (file, state, changed) = Default::default();
         let shared =
-            Shared { place, file, state, changed, max_bytes, max_waiting_bytes, part_bytes };
+            SharedSpill { place, file, state, changed, max_bytes, max_waiting_bytes, part_bytes };
         let shared = Arc::new(shared);
         let writer = shared.clone();
         let builder = std::thread::Builder::new().name("history".to_string());
@@ -187,7 +187,7 @@ impl Drop for Spill {
     }
 }
 
-impl Shared {
+impl SharedSpill {
     fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }

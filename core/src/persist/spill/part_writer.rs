@@ -5,7 +5,7 @@
 
 use std::io::{Error, Result, Write};
 
-use super::Shared;
+use super::SharedSpill;
 use super::parts::SpillPart;
 use super::spilled_step::SpilledStep;
 use crate::persist::frame::checksum;
@@ -24,7 +24,7 @@ pub enum Stop {
 /// Writes the packed bytes of a step. Its parts are freed if it is dropped before [`PartWriter::finish`].
 #[derive(Debug)]
 pub struct PartWriter<'a> {
-    shared: &'a Shared,
+    shared: &'a SharedSpill,
     spilled: &'a SpilledStep,
     /// Bytes that are not in a part yet.
     buffer: Vec<u8>,
@@ -33,7 +33,7 @@ pub struct PartWriter<'a> {
 }
 
 impl<'a> PartWriter<'a> {
-    pub fn new(shared: &'a Shared, spilled: &'a SpilledStep) -> PartWriter<'a> {
+    pub fn new(shared: &'a SharedSpill, spilled: &'a SpilledStep) -> PartWriter<'a> {
         PartWriter { shared, spilled, buffer: Vec::new(), parts: Vec::new(), stop: None }
     }
 

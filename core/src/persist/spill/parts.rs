@@ -7,7 +7,7 @@
 
 use std::io::{BufRead, Error, Read, Result};
 
-use super::Shared;
+use super::SharedSpill;
 use crate::persist::frame::checksum;
 
 /// A part of a step in the file.
@@ -24,7 +24,7 @@ pub struct SpillPart {
 /// Reads the parts of a step in order.
 #[derive(Debug)]
 pub struct PartReader<'a> {
-    shared: &'a Shared,
+    shared: &'a SharedSpill,
     parts: std::slice::Iter<'a, SpillPart>,
     buffer: Vec<u8>,
     /// Number of bytes of the buffer that have been read.
@@ -32,7 +32,7 @@ pub struct PartReader<'a> {
 }
 
 impl<'a> PartReader<'a> {
-    pub fn new(shared: &'a Shared, parts: &'a [SpillPart]) -> PartReader<'a> {
+    pub fn new(shared: &'a SharedSpill, parts: &'a [SpillPart]) -> PartReader<'a> {
         PartReader { shared, parts: parts.iter(), buffer: Vec::new(), read: 0 }
     }
 }

@@ -3,7 +3,7 @@
 use std::io::Read;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::Shared;
+use super::SharedSpill;
 use super::parts::{PartReader, SpillPart};
 use crate::format::history::{ContentsShape, read_step_from, write_step};
 use crate::sculpture::Limits;
@@ -22,7 +22,7 @@ const ANY_SIZE: Limits = Limits {
 pub struct SpilledStep {
     held: Mutex<Held>,
     whole_bytes: usize,
-    shared: Arc<Shared>,
+    shared: Arc<SharedSpill>,
 }
 
 /// The location of a step.
@@ -37,7 +37,7 @@ pub enum Held {
 }
 
 impl SpilledStep {
-    pub fn new(step: Arc<Step>, shared: Arc<Shared>) -> SpilledStep {
+    pub fn new(step: Arc<Step>, shared: Arc<SharedSpill>) -> SpilledStep {
         let whole_bytes = step.heap_bytes();
         SpilledStep { held: Mutex::new(Held::Waiting(step)), whole_bytes, shared }
     }

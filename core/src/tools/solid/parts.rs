@@ -1,6 +1,6 @@
 //! The two parts of a solid that is a Minkowski sum, and the tests that such solids share.
 //!
-//! Pure geometry in tool space. Knows no kinds of solids.
+//! The file of such a solid re-exports the tests that hold for it. Pure geometry in tool space. Knows no kinds of solids.
 
 use glam::DVec3;
 
@@ -34,17 +34,6 @@ impl MinkowskiParts {
             (y.abs() - core.y).max(zero) / round.y,
             (z.abs() - core.z).max(zero) / round.z,
         ]
-    }
-
-    /// Returns whether a sum whose core is a box or a segment passes over one point or eight when it moves by
-    /// `displacement`. Points with a value up to `margin` instead of 0 count as inside.
-    #[inline(always)]
-    pub fn passes<N: SimdReal>(&self, p: [N; 3], displacement: DVec3, margin: f64) -> N::Mask {
-        let most = 1.0 + margin;
-        let t = self.nearest_of_sum(p, displacement);
-        let [x, y, z] = self.beyond_core(behind(p, displacement, t));
-        let squared = x * x + y * y + z * z;
-        squared.at_most(t.all(most.max(0.0) * most)) & t.all(0.0).at_most(t.all(most))
     }
 
     /// Returns the time from 0 to 1 when the sum of a box and an ellipsoid is nearest to a point. The squared distance
@@ -99,14 +88,30 @@ impl MinkowskiParts {
         }
         slope
     }
+}
 
-    /// Returns the greatest change of the value of such a sum over `offset` (at least 0 on each axis).
-    pub fn slack(&self, offset: DVec3) -> f64 {
-        (offset / self.round).length()
-    }
+/// Returns whether a sum whose core is a box or a segment passes over one point or eight when it moves by
+/// `displacement`. Points with a value up to `margin` instead of 0 count as inside.
+#[inline(always)]
+pub fn passes<N: SimdReal>(
+    parts: &MinkowskiParts,
+    p: [N; 3],
+    displacement: DVec3,
+    margin: f64,
+) -> N::Mask {
+    let most = 1.0 + margin;
+    let t = parts.nearest_of_sum(p, displacement);
+    let [x, y, z] = parts.beyond_core(behind(p, displacement, t));
+    let squared = x * x + y * y + z * z;
+    squared.at_most(t.all(most.max(0.0) * most)) & t.all(0.0).at_most(t.all(most))
+}
 
-    /// Returns the maximum of `direction . p` over such a sum.
-    pub fn support(&self, direction: DVec3) -> f64 {
-        (self.core * direction).abs().element_sum() + (self.round * direction).length()
-    }
+/// Returns the greatest change of the value of such a sum over `offset` (at least 0 on each axis).
+pub fn slack(parts: &MinkowskiParts, offset: DVec3) -> f64 {
+    (offset / parts.round).length()
+}
+
+/// Returns the maximum of `direction . p` over such a sum.
+pub fn support(parts: &MinkowskiParts, direction: DVec3) -> f64 {
+    (parts.core * direction).abs().element_sum() + (parts.round * direction).length()
 }

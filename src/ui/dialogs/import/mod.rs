@@ -31,7 +31,7 @@ use crate::format::{
 use crate::remedy::told;
 use crate::sculpture::Limits;
 use crate::ui::context::UiContext;
-use crate::ui::dialogs::shared::{Dialog, Shared};
+use crate::ui::dialogs::shared::{Dialog, DialogContext};
 use crate::ui::request::UiRequest;
 use crate::ui::widgets::names::capital;
 use crate::ui::widgets::theme;
@@ -199,7 +199,7 @@ impl ImportDialog {
     }
 
     /// Executes the answer.
-    fn answer_with(&mut self, answer: Answer, shared: &mut Shared) {
+    fn answer_with(&mut self, answer: Answer, shared: &mut DialogContext) {
         match answer {
             Answer::None => {}
             Answer::Cancel => {
@@ -253,7 +253,7 @@ impl Dialog for ImportDialog {
         ImportDialog::close(self)
     }
 
-    fn show(&mut self, root: &Ui, shared: &mut Shared) {
+    fn show(&mut self, root: &Ui, shared: &mut DialogContext) {
         self.take_news(shared.is_busy, shared.requests);
         // While the file is read, the sign of long work is shown.
         if !self.is_open() || matches!(self.stage, Stage::Reading) {

@@ -4,6 +4,7 @@ use glam::{DVec3, Vec2};
 
 use super::super::body::{Body, ProfilePoint, Stretch};
 use super::super::parts::MinkowskiParts;
+pub use super::super::parts::{passes, slack, support};
 use super::super::simd_real::SimdReal;
 use super::super::spec::{RowMethod, SolidSpec};
 use crate::tools::texture;
@@ -38,22 +39,4 @@ fn parts(half: DVec3) -> MinkowskiParts {
 pub fn holds<N: SimdReal>(parts: &MinkowskiParts, [x, y, z]: [N; 3]) -> N::Mask {
     let up = (y.abs() - parts.core.y).max(x.all(0.0)) / parts.round.y;
     (x * x + z * z + up * up).at_most(x.all(1.0))
-}
-
-#[inline(always)]
-pub fn passes<N: SimdReal>(
-    parts: &MinkowskiParts,
-    p: [N; 3],
-    displacement: DVec3,
-    margin: f64,
-) -> N::Mask {
-    parts.passes(p, displacement, margin)
-}
-
-pub fn slack(parts: &MinkowskiParts, offset: DVec3) -> f64 {
-    parts.slack(offset)
-}
-
-pub fn support(parts: &MinkowskiParts, direction: DVec3) -> f64 {
-    parts.support(direction)
 }

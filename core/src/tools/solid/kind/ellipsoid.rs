@@ -4,6 +4,7 @@ use glam::{DVec3, Vec2};
 
 use super::super::body::{Body, ProfilePoint, Stretch};
 use super::super::parts::MinkowskiParts;
+pub use super::super::parts::{passes, slack};
 use super::super::simd_real::SimdReal;
 use super::super::spec::{RowMethod, SolidSpec};
 use crate::tools::texture;
@@ -26,20 +27,6 @@ pub static SPEC: SolidSpec = SolidSpec {
 #[inline(always)]
 pub fn holds<N: SimdReal>(_: &MinkowskiParts, [x, y, z]: [N; 3]) -> N::Mask {
     (x * x + y * y + z * z).at_most(x.all(1.0))
-}
-
-#[inline(always)]
-pub fn passes<N: SimdReal>(
-    parts: &MinkowskiParts,
-    p: [N; 3],
-    displacement: DVec3,
-    margin: f64,
-) -> N::Mask {
-    parts.passes(p, displacement, margin)
-}
-
-pub fn slack(parts: &MinkowskiParts, offset: DVec3) -> f64 {
-    parts.slack(offset)
 }
 
 pub fn support(_: &MinkowskiParts, direction: DVec3) -> f64 {

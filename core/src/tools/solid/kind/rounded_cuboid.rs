@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::super::body::Body;
 use super::super::parts::MinkowskiParts;
+pub use super::super::parts::{passes, slack, support};
 use super::super::simd_real::SimdReal;
 use super::super::spec::{RowMethod, SolidSpec};
 use crate::tools::texture;
@@ -32,22 +33,4 @@ fn parts(half: DVec3) -> MinkowskiParts {
 pub fn holds<N: SimdReal>(parts: &MinkowskiParts, p: [N; 3]) -> N::Mask {
     let [x, y, z] = parts.beyond_core(p);
     (x * x + y * y + z * z).at_most(x.all(1.0))
-}
-
-#[inline(always)]
-pub fn passes<N: SimdReal>(
-    parts: &MinkowskiParts,
-    p: [N; 3],
-    displacement: DVec3,
-    margin: f64,
-) -> N::Mask {
-    parts.passes(p, displacement, margin)
-}
-
-pub fn slack(parts: &MinkowskiParts, offset: DVec3) -> f64 {
-    parts.slack(offset)
-}
-
-pub fn support(parts: &MinkowskiParts, direction: DVec3) -> f64 {
-    parts.support(direction)
 }
