@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use virtual_sculpture::terminal::{self, OutputError};
-use virtual_sculpture::video::{Address, State, VideoFrame, VideoSource};
+use virtual_sculpture::video::{Address, PlaybackState, VideoFrame, VideoSource};
 
 fn main() -> ExitCode {
     match run() {
@@ -84,12 +84,14 @@ fn capture(address: &str, count: u64, folder: &Path) -> Result<()> {
             terminal::print_done(format_args!("{}: frame {number} at {at:.3} s", path.display()));
         }
         let state = match source.state() {
-            State::Opening => "opening".to_owned(),
-            State::Live => format!("live after {:.3} s", start.elapsed().as_secs_f64()),
-            State::Lost(error) => format!("lost: {error}"),
-            State::Failed(error) => bail!("{error}"),
-            State::Ended if written < count => bail!("the film ended after {written} frames"),
-            State::Ended => "ended".to_owned(),
+            PlaybackState::Opening => "opening".to_owned(),
+            PlaybackState::Live => format!("live after {:.3} s", start.elapsed().as_secs_f64()),
+            PlaybackState::Lost(error) => format!("lost: {error}"),
+            PlaybackState::Failed(error) => bail!("{error}"),
+            PlaybackState::Ended if written < count => {
+                bail!("the film ended after {written} frames")
+            }
+            PlaybackState::Ended => "ended".to_owned(),
         };
         let kind = state.split(' ').next().unwrap_or_default().to_owned();
         if !told.starts_with(&kind) || (kind == "lost:" && told != state) {

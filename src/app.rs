@@ -54,7 +54,7 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow};
 use winit::window::WindowId;
 
 use crate::config::Config;
-use crate::editor::recovery::{self, Kept};
+use crate::editor::recovery::{self, SecuredPlace};
 use crate::folders;
 use crate::gpu::{DeviceOptions, GpuError};
 use crate::input::Bindings;
@@ -299,8 +299,8 @@ impl App {
             return Err(error.into());
         }
         match recovery::secure(self.workspace.session_mut(), &folders::state_folder()) {
-            Ok(Kept::Journal(path)) => Err(AppError::Kept { error, path }),
-            Ok(Kept::File(path)) => Err(AppError::Recovered { error, path }),
+            Ok(SecuredPlace::Journal(path)) => Err(AppError::Kept { error, path }),
+            Ok(SecuredPlace::File(path)) => Err(AppError::Recovered { error, path }),
             Err(second) => {
                 tracing::error!("the sculpture could not be saved: {second}");
                 Err(error.into())

@@ -44,7 +44,7 @@ pub use kernel::Kernel;
 use machine::Machine;
 use measured::BenchScene;
 use pictures::BenchPictures;
-use report::{DeviceReport, ModeReport, Report, SceneReport};
+use report::{BenchReport, DeviceReport, ModeReport, SceneReport};
 use statistics::{Times, measure};
 use subjects::{BenchSubject, eyes_of};
 
@@ -200,7 +200,7 @@ pub fn run(
     let mut edits = edits::edits(job.suite.edits(), config.limits())?;
     edits.extend(uses::uses(job.suite.edits(), config.limits())?);
     progress.end();
-    let report = Report {
+    let report = BenchReport {
         program: format!("virtual-sculpture {}", env!("CARGO_PKG_VERSION")),
         suite: job.suite.name().to_string(),
         machine,

@@ -31,7 +31,7 @@ use frames::Format;
 use lapse::Lapse;
 pub use output::Form;
 use output::Output;
-use stage::Stage;
+use stage::FilmStage;
 pub use timing::FrameRange;
 use timing::Timing;
 
@@ -151,7 +151,7 @@ pub fn make(job: &FilmJob, context: &Context) -> Result<Range<u32>, FilmError> {
     // Before the work, which may be long.
     let output = Output::create(form, &job.out, format)?;
 
-    let mut stage = Stage::new(job, scene, lapse, view, timing, context)?;
+    let mut stage = FilmStage::new(job, scene, lapse, view, timing, context)?;
     let progress = context.progress;
     progress.begin("filming");
     let count = part.len() as f32;

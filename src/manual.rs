@@ -8,7 +8,7 @@ use crate::command::usage_of_brush;
 use crate::input::bindings::BindingsError;
 use crate::input::{Action, Bindings};
 use crate::tools::brush::BrushId;
-use crate::tools::brush::param::{Domain, Param, Value};
+use crate::tools::brush::param::{Domain, OptionValue, Param};
 use crate::tools::brush::spec::{BrushSpec, Inverse};
 
 const INTRODUCTION: &str = "# Brushes
@@ -111,21 +111,21 @@ fn values(param: &Param) -> String {
     }
 }
 
-fn shown(param: &Param, value: Value) -> String {
+fn shown(param: &Param, value: OptionValue) -> String {
     match value {
-        Value::Number(number) if param.domain == Domain::Radius => format!("{number} px"),
-        Value::Number(number) => {
+        OptionValue::Number(number) if param.domain == Domain::Radius => format!("{number} px"),
+        OptionValue::Number(number) => {
             format!("{}{}", number * param.unit.factor(), param.unit.suffix())
         }
-        Value::Whole(count) => format!("{count}{}", param.unit.suffix()),
-        Value::On(on) => if on { "on" } else { "off" }.to_string(),
-        Value::Choice(place) => match param.domain {
+        OptionValue::Whole(count) => format!("{count}{}", param.unit.suffix()),
+        OptionValue::On(on) => if on { "on" } else { "off" }.to_string(),
+        OptionValue::Choice(place) => match param.domain {
             Domain::Choice(choices) => choices.get(usize::from(place)).map_or("", |c| c.name),
             _ => "",
         }
         .to_string(),
-        Value::Colour(colour) => colour.to_string(),
-        Value::Absent => String::new(),
+        OptionValue::Colour(colour) => colour.to_string(),
+        OptionValue::Absent => String::new(),
     }
 }
 

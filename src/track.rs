@@ -139,14 +139,14 @@ fn serve(
 
 /// The events since the monitor's last line.
 #[derive(Default)]
-struct Tally {
+struct MonitorTally {
     pose: Option<HeadPose>,
     poses: u32,
     losses: u32,
     buttons: Vec<String>,
 }
 
-impl Tally {
+impl MonitorTally {
     fn take(&mut self, event: Event) {
         match event {
             Event::Pose(pose) => {
@@ -177,7 +177,7 @@ fn show(
         terminal::print_result(format_args!("source {}", source.name()))?;
     }
     let (started, mut last_line) = (Instant::now(), Instant::now());
-    let (mut tally, mut losses) = (Tally::default(), 0);
+    let (mut tally, mut losses) = (MonitorTally::default(), 0);
     let mut events = Vec::new();
     loop {
         for source in sources.iter_mut() {
@@ -194,7 +194,7 @@ fn show(
                     started.elapsed().as_secs_f64()
                 ))?;
             }
-            (tally, last_line) = (Tally::default(), Instant::now());
+            (tally, last_line) = (MonitorTally::default(), Instant::now());
         }
         if !goes_on {
             return Ok(());
@@ -203,7 +203,7 @@ fn show(
 }
 
 fn lines(
-    tally: &Tally,
+    tally: &MonitorTally,
     sources: &[Box<dyn Source>],
     elapsed: Duration,
     losses: u32,

@@ -39,7 +39,7 @@ mod timeline;
 mod trial;
 
 pub use changes::ChangeSubscriber;
-use changes::Changes;
+use changes::SubscribedChanges;
 use edit_target::EditTarget;
 pub use error::CommandError;
 pub use orient::orient_contents;
@@ -70,7 +70,7 @@ pub struct Document {
     /// The clipboard. It outlives the sculpture it was copied from.
     clip: Option<Arc<Clip>>,
     pictures: LoadedPictures,
-    changes: Changes,
+    changes: SubscribedChanges,
     /// The subscriber of [`Document::drain_changes`].
     unnamed: ChangeSubscriber,
 }
@@ -90,7 +90,7 @@ impl Document {
             placement: Placement::default(),
             clip: None,
             pictures: LoadedPictures::default(),
-            changes: Changes::default(),
+            changes: SubscribedChanges::default(),
             unnamed: ChangeSubscriber::default(),
         }
     }

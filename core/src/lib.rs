@@ -90,7 +90,7 @@ pub use tools::symmetry::Symmetry;
 
 // A sculpture with its files, and long work.
 #[doc(inline)]
-pub use progress::{Progress, Report, Stage};
+pub use progress::{Progress, ProgressReport, Stage};
 #[doc(inline)]
 pub use session::{FileIdentity, Holder, Session, SessionError};
 

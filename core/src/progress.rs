@@ -1,4 +1,5 @@
-//! Progress reports and cancellation of long work: the trait [`Progress`], and a [`Report`] that another thread reads.
+//! Progress reports and cancellation of long work: the trait [`Progress`], and a [`ProgressReport`] that another thread
+//! reads.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -28,7 +29,7 @@ impl Progress for () {
 
 /// The progress of work on another thread, for display, and its cancellation.
 #[derive(Debug, Default)]
-pub struct Report {
+pub struct ProgressReport {
     stage: Mutex<Stage>,
     cancelled: AtomicBool,
 }
@@ -42,7 +43,7 @@ pub struct Stage {
     pub done: Option<f32>,
 }
 
-impl Report {
+impl ProgressReport {
     /// Returns the piece of work in progress.
     pub fn stage(&self) -> Stage {
         self.lock().clone()
@@ -59,7 +60,7 @@ impl Report {
     }
 }
 
-impl Progress for Report {
+impl Progress for ProgressReport {
     fn begin(&self, what: &str) {
         *self.lock() = Stage { what: what.to_string(), done: None };
     }

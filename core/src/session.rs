@@ -45,8 +45,8 @@ use on_disk::OnDisk;
 use pictures::Pictures;
 use recording::ScriptRecording;
 pub use recover::{Recovered, RecoveryReport, Summary, recover, summary};
-pub use work::{Done, Work};
-use work::{Outcome, Task, load};
+pub use work::{FinishedWork, Work};
+use work::{Task, WorkOutcome, load};
 
 /// A document with its file.
 #[derive(Debug)]
@@ -313,18 +313,18 @@ impl Session {
     }
 
     /// Completes a command with the result of its long part.
-    pub fn complete(&mut self, done: Done) -> Result<Applied, SessionError> {
-        let Done { command, outcome, took } = done;
+    pub fn complete(&mut self, done: FinishedWork) -> Result<Applied, SessionError> {
+        let FinishedWork { command, outcome, took } = done;
         let began = Instant::now();
         let mut applied = Applied::default();
         let mut entry = None;
         match outcome {
-            Outcome::New(contents) => {
+            WorkOutcome::New(contents) => {
                 self.forget_mesh();
                 self.document.replace(*contents, "new")?;
                 self.files.made(self.document.state());
             }
-            Outcome::Oriented { orientation, contents, state }
+            WorkOutcome::Oriented { orientation, contents, state }
                 if state == self.document.state() =>
             {
                 if matches!(command, Command::Orient(_)) {
@@ -333,14 +333,14 @@ impl Session {
                     applied = self.document.travel_oriented(&command, *contents)?;
                 }
             }
-            Outcome::Repaired { repair, plan, state } if state == self.document.state() => {
+            WorkOutcome::Repaired { repair, plan, state } if state == self.document.state() => {
                 applied = self.document.put_repaired(&plan, &repair, &command)?;
             }
             // The document was changed meanwhile.
-            Outcome::Oriented { .. } | Outcome::Repaired { .. } => {
+            WorkOutcome::Oriented { .. } | WorkOutcome::Repaired { .. } => {
                 applied = self.document.apply(&command)?
             }
-            Outcome::Opened { path, loaded, identity, history } => {
+            WorkOutcome::Opened { path, loaded, identity, history } => {
                 self.forget_mesh();
                 self.on_disk.learn(&path, identity);
                 self.access.opened(&path);
@@ -353,7 +353,7 @@ impl Session {
                 self.go_on_with(history);
             }
             // Volumes are for other programs and may not hold the whole sculpture.
-            Outcome::Saved { path, notes, state, identity, history, lock } => {
+            WorkOutcome::Saved { path, notes, state, identity, history, lock } => {
                 self.on_disk.learn(&path, identity);
                 self.notes = notes;
                 self.histories.keep(history);

@@ -5,7 +5,7 @@ use sculpture_core::format::options::{
     Colouring, Cubic, Existence, ExportForm, ImportOptions, ScanRegion,
 };
 use sculpture_core::format::{self, FormatError, Samples};
-use sculpture_core::progress::Report;
+use sculpture_core::progress::ProgressReport;
 use sculpture_core::refusal::{MemoryBudget, OverBudget};
 use sculpture_core::sculpture::history::Contents;
 use sculpture_core::sculpture::{Grid, Limits, Rgb};
@@ -253,7 +253,7 @@ fn resampling_is_bounded_and_can_be_cancelled() {
         ),
         "{error}"
     );
-    let report = Report::default();
+    let report = ProgressReport::default();
     report.cancel();
     let error = format::load_volume(&path, &options, &Limits::default(), &report).unwrap_err();
     assert!(matches!(error, FormatError::Cancelled), "{error}");

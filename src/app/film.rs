@@ -12,7 +12,7 @@ use crate::editor::job::Failure;
 use crate::film::{self, FilmError, FilmJob, Subject};
 use crate::headless::{Context, PictureRequest};
 use crate::picture::outline_middle;
-use crate::progress::Report;
+use crate::progress::ProgressReport;
 use crate::shade::ground::GROUND_COLOUR;
 use crate::ui::pictures::{FilmRequest, FilmSubject};
 use crate::view::StereoLayout;
@@ -22,7 +22,7 @@ pub(super) fn work(
     source: &ViewSource,
     config: &Config,
     wanted: &FilmRequest,
-) -> Result<impl FnOnce(&Report) -> Result<String, Failure> + Send + use<>, &'static str> {
+) -> Result<impl FnOnce(&ProgressReport) -> Result<String, Failure> + Send + use<>, &'static str> {
     let ViewSource { session, view, .. } = source;
     let document = session.document();
     let subject = match wanted.kind {
@@ -59,7 +59,7 @@ pub(super) fn work(
     config.render.occlusion = view.finish.occlusion;
     config.light = view.light.clone();
     let device = source.device.clone();
-    Ok(move |report: &Report| {
+    Ok(move |report: &ProgressReport| {
         let context = Context { config: &config, device: &device, progress: report };
         match film::make(&job, &context) {
             Ok(_) => Ok(format!("Saved {}", path.display())),

@@ -11,7 +11,7 @@ use super::screenshot;
 use super::view_source::ViewSource;
 use crate::editor::job::Failure;
 use crate::picture::{self, FinalOptions, FinalPicture, PictureError, TraceOn};
-use crate::progress::Report;
+use crate::progress::ProgressReport;
 use crate::shade::Pixels;
 use crate::trace::{Film, TraceCamera, TraceError, preview_pixels};
 use crate::ui::dialogs::final_picture::Preview;
@@ -30,7 +30,7 @@ pub(super) fn work(
     source: &ViewSource,
     wanted: &FinalRequest,
     preview: &Preview,
-) -> impl FnOnce(&Report) -> Result<String, Failure> + Send + use<> {
+) -> impl FnOnce(&ProgressReport) -> Result<String, Failure> + Send + use<> {
     let ViewSource { session, view, eye, device } = source;
     let document = session.document();
     let contents = document.share_contents();
@@ -50,7 +50,7 @@ pub(super) fn work(
     };
     let mut watcher =
         Watcher { news: preview.news(), exposure_ev: wanted.exposure_ev, due: Instant::now() };
-    move |report: &Report| {
+    move |report: &ProgressReport| {
         let watch = &mut |film: &Film, samples| watcher.watch(film, samples);
         let picture =
             FinalPicture { contents: &contents, camera: &camera, options: &options, on: &on };

@@ -4,7 +4,7 @@
 
 use glam::{UVec3, Vec3};
 
-use crate::render::overlay::Line;
+use crate::render::overlay::OverlayLine;
 use crate::sculpture::Rgb;
 use crate::shade::ground::line_spacing_vx;
 use crate::ui::Theme;
@@ -16,7 +16,7 @@ const BELOW_VX: f32 = 0.5;
 
 /// Returns the lines below a grid of `dims` voxels with the up axis `up`. They extend beyond the grid by half its size,
 /// and one passes through its lower corner.
-pub fn lines(dims: UVec3, up: Vec3, theme: Theme) -> Vec<Line> {
+pub fn lines(dims: UVec3, up: Vec3, theme: Theme) -> Vec<OverlayLine> {
     let axis = up.abs().max_position();
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let height = if up[axis] < 0.0 { dims[axis] as f32 + BELOW_VX } else { -BELOW_VX };
@@ -39,7 +39,7 @@ pub fn lines(dims: UVec3, up: Vec3, theme: Theme) -> Vec<Line> {
     };
     let line = |at: i32, from, to| {
         let (width_px, opacity) = if at % MAJOR == 0 { (1.4, 0.55) } else { (1.0, 0.25) };
-        Line { from, to, colour, width_px, opacity: [opacity, 0.0] }
+        OverlayLine { from, to, colour, width_px, opacity: [opacity, 0.0] }
     };
     let (across, along) = (range(u), range(v));
     let ends = |range: &std::ops::RangeInclusive<i32>| (*range.start(), *range.end());
@@ -70,7 +70,7 @@ mod tests {
                 let beyond = high - dims[side] as f32;
                 assert!((50.0..=60.0).contains(&beyond), "{up} {beyond}");
                 // A line at the lower corner, and every tenth voxel.
-                let crossing = |line: &&Line| line.from[side] == line.to[side];
+                let crossing = |line: &&OverlayLine| line.from[side] == line.to[side];
                 let mut at: Vec<f32> =
                     lines.iter().filter(crossing).map(|line| line.from[side]).collect();
                 at.sort_by(f32::total_cmp);

@@ -23,7 +23,7 @@ const MOST_BYTES: usize = 64 << 20;
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 
 /// A font that has been read.
-struct Found {
+struct FontFile {
     name: String,
     bytes: Vec<u8>,
     index: u32,
@@ -36,7 +36,7 @@ pub struct Glyphs {
     known: HashSet<(char, bool)>,
     /// Missing, and not yet looked for.
     missing: BTreeSet<char>,
-    search: Option<JoinHandle<Vec<Found>>>,
+    search: Option<JoinHandle<Vec<FontFile>>>,
     fonts: usize,
     bytes: usize,
 }
@@ -120,7 +120,7 @@ impl Glyphs {
     }
 
     /// Adds a font after all others. Returns false if there are enough.
-    fn add(&mut self, context: &Context, font: Found) -> bool {
+    fn add(&mut self, context: &Context, font: FontFile) -> bool {
         if self.fonts >= MOST_FONTS || font.bytes.len() > MOST_BYTES - self.bytes {
             return false;
         }
@@ -137,7 +137,7 @@ impl Glyphs {
 }
 
 /// Returns the bytes of a font, if there is room for them and the whole font is valid.
-fn read(face: Face, room: &mut usize) -> Option<Found> {
+fn read(face: Face, room: &mut usize) -> Option<FontFile> {
     let Face { path, index, letters } = face;
     let bytes = path.metadata().ok()?.len();
     if bytes > *room as u64 {
@@ -148,7 +148,7 @@ fn read(face: Face, room: &mut usize) -> Option<Found> {
     let charmap = FontRef::from_index(&bytes, index).ok()?.charmap();
     letters.iter().any(|letter| charmap.map(*letter).is_some()).then_some(())?;
     *room = room.saturating_sub(bytes.len());
-    Some(Found { name: format!("{} {index}", path.display()), bytes, index })
+    Some(FontFile { name: format!("{} {index}", path.display()), bytes, index })
 }
 
 /// Returns whether a letter is more than a space or a sign for text layout.

@@ -10,7 +10,7 @@ use crate::config::Config;
 use crate::editor::job::Then;
 use crate::editor::questions::Next;
 use crate::input::{Action, Bindings};
-use crate::progress::{Progress, Report};
+use crate::progress::{Progress, ProgressReport};
 use crate::session::Session;
 use crate::trace::MAX_FINAL_SAMPLES;
 use crate::ui::UiRequest;
@@ -30,7 +30,7 @@ fn start_slowly(workspace: &mut Workspace, command: &str) -> Sender<()> {
     let command: Command = command.parse().unwrap();
     let work = workspace.session_mut().prepare(&command).unwrap().unwrap();
     let (go, wait) = channel();
-    let slow = move |report: &Report| {
+    let slow = move |report: &ProgressReport| {
         report.begin("thinking");
         report.advance(0.25);
         wait.recv().unwrap();

@@ -12,9 +12,9 @@ use crate::editor::job::Failure;
 use crate::format::options::ImportOptions;
 use crate::format::{self, FormatError};
 use crate::notice::Notice;
-use crate::persist::files::Source;
+use crate::persist::files::InputFile;
 use crate::persist::journal::{AbandonedJournal, JournalDir, JournalError, JournalOptions};
-use crate::progress::{Progress, Report};
+use crate::progress::{Progress, ProgressReport};
 use crate::remedy::told;
 use crate::sculpture::Digest;
 use crate::session::{self, Recovered, Session};
@@ -46,10 +46,10 @@ impl AbandonedWork {
         none: &'static str,
         limits: Limits,
         dialog: &RecoveryDialog,
-    ) -> Option<impl FnOnce(&Report) -> Result<String, Failure> + Send + use<>> {
+    ) -> Option<impl FnOnce(&ProgressReport) -> Result<String, Failure> + Send + use<>> {
         let journal_dir = self.journals.as_ref()?.journal_dir.clone();
         let news = dialog.news();
-        Some(move |report: &Report| {
+        Some(move |report: &ProgressReport| {
             let found = all_left(&journal_dir, &limits, report)?;
             let text = if found.is_empty() { none } else { "" };
             *news.lock().unwrap_or_else(PoisonError::into_inner) = Some(found);
@@ -62,12 +62,13 @@ impl AbandonedWork {
         &self,
         number: u64,
         session: &Session,
-    ) -> Option<impl FnOnce(&Report) -> Result<(Session, Notice), Failure> + Send + use<>> {
+    ) -> Option<impl FnOnce(&ProgressReport) -> Result<(Session, Notice), Failure> + Send + use<>>
+    {
         let journals = self.journals.clone()?;
         let limits = *session.document().limits();
         let keeps = session.keeps_journal();
         let histories = session.saved_history_options().cloned();
-        Some(move |report: &Report| {
+        Some(move |report: &ProgressReport| {
             let (mut session, notice) = bring_back(number, &journals, keeps, &limits, report)?;
             if let Some(histories) = histories {
                 session.keep_saved_histories(histories);
@@ -90,7 +91,7 @@ fn failure(journal_dir: &JournalDir, number: u64, error: &dyn std::fmt::Display)
     format!("{}: {error}", journal_dir.path(number).display())
 }
 
-fn source_of(journal_dir: &JournalDir, number: u64) -> Result<Source, String> {
+fn source_of(journal_dir: &JournalDir, number: u64) -> Result<InputFile, String> {
     match journal_dir.open(number) {
         AbandonedJournal::Journal(source) => Ok(source),
         AbandonedJournal::InUse => {
@@ -104,7 +105,7 @@ fn source_of(journal_dir: &JournalDir, number: u64) -> Result<Source, String> {
 fn all_left(
     journal_dir: &JournalDir,
     limits: &Limits,
-    report: &Report,
+    report: &ProgressReport,
 ) -> Result<Vec<LeftSession>, Failure> {
     let numbers = journal_dir
         .numbers()
@@ -154,7 +155,7 @@ fn is_untouched(session: &Session) -> bool {
 
 /// Returns whether the sculpture was saved and its file is unchanged. A program that was killed then leaves no more
 /// than one that was quit.
-fn is_in_its_file(recovered: &Recovered, limits: &Limits, report: &Report) -> bool {
+fn is_in_its_file(recovered: &Recovered, limits: &Limits, report: &ProgressReport) -> bool {
     let Recovered { session, report: replay } = recovered;
     let Some(path) = session.path().filter(|_| !session.modified()) else { return false };
     if replay.difference.is_some() {
@@ -192,7 +193,7 @@ fn bring_back(
     journals: &JournalOptions,
     keeps: bool,
     limits: &Limits,
-    report: &Report,
+    report: &ProgressReport,
 ) -> Result<(Session, Notice), Failure> {
     let source = source_of(&journals.journal_dir, number).map_err(Failure::Error)?;
     let recovered = session::recover(source, limits, Some(journals.journal_dir.folder()), report);

@@ -11,7 +11,7 @@ use crate::document::Document;
 use crate::editor::draw::Sketch;
 use crate::editor::tool::{ToolKind, ToolState};
 use crate::input::ToolMode;
-use crate::render::overlay::{Line, ToolPreview};
+use crate::render::overlay::{OverlayLine, ToolPreview};
 use crate::sculpture::Rgb;
 use crate::sculpture::region::VoxelBox;
 use crate::surface::IndexMap;
@@ -86,12 +86,12 @@ pub fn preview(scene: &OverlayScene) -> Option<ToolPreview> {
 }
 
 /// Returns the lines of a picture that the person wants to see.
-pub fn lines(scene: &OverlayScene) -> Vec<Line> {
+pub fn lines(scene: &OverlayScene) -> Vec<OverlayLine> {
     let &OverlayScene { tool, document, view, .. } = scene;
     let (grid, selection) = (document.grid(), document.selection());
     let mut lines = Vec::new();
-    let frame = |lines: &mut Vec<Line>, bounds: VoxelBox, colour, opacity: [f32; 2]| {
-        let edge = |(from, to)| Line { from, to, colour, width_px: 1.4, opacity };
+    let frame = |lines: &mut Vec<OverlayLine>, bounds: VoxelBox, colour, opacity: [f32; 2]| {
+        let edge = |(from, to)| OverlayLine { from, to, colour, width_px: 1.4, opacity };
         lines.extend(box_edges(bounds.min.as_vec3(), bounds.max.as_vec3()).map(edge));
     };
     if view.bounds {
@@ -99,7 +99,7 @@ pub fn lines(scene: &OverlayScene) -> Vec<Line> {
             Theme::Dark => Rgb::new(0x9a, 0xa4, 0xb0),
             Theme::Light => Rgb::new(0x60, 0x68, 0x70),
         };
-        let edge = |from, to| Line { from, to, colour, width_px: 1.2, opacity: [0.6, 0.0] };
+        let edge = |from, to| OverlayLine { from, to, colour, width_px: 1.2, opacity: [0.6, 0.0] };
         lines.extend(box_edges(Vec3::ZERO, grid.dims().as_vec3()).map(|(a, b)| edge(a, b)));
     }
     lines.extend(symmetry_lines::lines(document));
@@ -115,7 +115,7 @@ pub fn lines(scene: &OverlayScene) -> Vec<Line> {
         return lines;
     }
     if view.line && tool.kind == ToolKind::Solid {
-        lines.push(Line {
+        lines.push(OverlayLine {
             from: centre_vx(grid.dims()),
             to: tool.centre_vx,
             colour: RED,
@@ -123,8 +123,9 @@ pub fn lines(scene: &OverlayScene) -> Vec<Line> {
             opacity: [0.95, 0.0],
         });
     }
-    let outline =
-        |colour| move |(from, to)| Line { from, to, colour, width_px: 1.4, opacity: [0.9, 0.3] };
+    let outline = |colour| {
+        move |(from, to)| OverlayLine { from, to, colour, width_px: 1.4, opacity: [0.9, 0.3] }
+    };
     match tool.kind {
         ToolKind::Brush(brush) if brush.spec().is_in_picture() => {
             let options = tool.brushes.of(brush);
@@ -147,7 +148,7 @@ pub fn lines(scene: &OverlayScene) -> Vec<Line> {
         ToolKind::Marker => {
             let marker = selection.marker();
             frame(&mut lines, marker, MARKER, [1.0, 0.5]);
-            lines.extend(scene.marker_guide.iter().map(|[from, to]| Line {
+            lines.extend(scene.marker_guide.iter().map(|[from, to]| OverlayLine {
                 from: *from,
                 to: *to,
                 colour: MARKER,
@@ -168,17 +169,24 @@ pub fn lines(scene: &OverlayScene) -> Vec<Line> {
 }
 
 /// Returns the lines of the unfinished drawing, with its mirror images.
-fn sketched(scene: &OverlayScene) -> Vec<Line> {
+fn sketched(scene: &OverlayScene) -> Vec<OverlayLine> {
     let Some(sketch) = &scene.sketch else { return Vec::new() };
     let colour = colour_in(scene.tool, sketch.mode);
     let own = |opacity, width_px| {
-        move |[from, to]: &[Vec3; 2]| Line { from: *from, to: *to, colour, width_px, opacity }
+        move |[from, to]: &[Vec3; 2]| OverlayLine {
+            from: *from,
+            to: *to,
+            colour,
+            width_px,
+            opacity,
+        }
     };
     let drawn = sketch.lines.iter().map(own([1.0, 0.7], 2.0));
-    let mut lines: Vec<Line> = drawn.chain(sketch.faint.iter().map(own([0.6, 0.4], 1.4))).collect();
+    let mut lines: Vec<OverlayLine> =
+        drawn.chain(sketch.faint.iter().map(own([0.6, 0.4], 1.4))).collect();
     let document = scene.document;
     for image in document.images().iter().skip(1).take(MOST_IMAGES) {
-        lines.extend(sketch.lines.iter().map(|[from, to]| Line {
+        lines.extend(sketch.lines.iter().map(|[from, to]| OverlayLine {
             from: image.point(*from),
             to: image.point(*to),
             colour: MIRROR,

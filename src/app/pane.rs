@@ -15,7 +15,8 @@ use winit::keyboard::{Key, KeyCode, PhysicalKey};
 use winit::window::{Window, WindowId};
 
 use crate::gpu::{
-    Attachment, Device, EyeImage, Frames, GpuError, ImagePart, Load, Recorder, Use, WindowSurface,
+    Attachment, Device, EyeImage, Frames, GpuError, ImagePart, Load, Recorder, ResourceUse,
+    WindowSurface,
 };
 use crate::input::pen::{PenPointer, PenSample};
 use crate::render::gui::{Gui, TextureChanges};
@@ -358,15 +359,15 @@ impl Pane {
         let context = self.egui.egui_ctx();
         let primitives = context.tessellate(interface.shapes.clone(), interface.pixels_per_point);
         let (before, load) = match pasted {
-            true => (Use::COPY_TARGET, Load::Keep),
+            true => (ResourceUse::COPY_TARGET, Load::Keep),
             false => (WindowTarget::FIRST, Load::Colour([0.0, 0.0, 0.0, 1.0])),
         };
-        recorder.image_barrier(target.part(), before, Use::COLOUR_TARGET);
+        recorder.image_barrier(target.part(), before, ResourceUse::COLOUR_TARGET);
         let attachment = Attachment { view: target.view(0), load, store: true };
         recorder.begin_rendering(target.size, Some(attachment), None);
         self.gui.draw(recorder, target.size, interface.pixels_per_point, primitives)?;
         recorder.end_rendering();
-        recorder.image_barrier(target.part(), Use::COLOUR_TARGET, Use::PRESENT);
+        recorder.image_barrier(target.part(), ResourceUse::COLOUR_TARGET, ResourceUse::PRESENT);
         Ok(())
     }
 
@@ -436,10 +437,14 @@ fn is_paste_key(event: &WindowEvent) -> bool {
 }
 
 impl RecordedFrame {
-    /// Copies a picture of `size` pixels, in the layout of [`Use::COPY_SOURCE`], below the interface,
+    /// Copies a picture of `size` pixels, in the layout of [`ResourceUse::COPY_SOURCE`], below the interface,
     /// with its upper left corner at the pixel `at`.
     pub fn paste(&mut self, picture: ImagePart, size: [u32; 2], at: [u32; 2]) {
-        self.recorder.image_barrier(self.target.part(), WindowTarget::FIRST, Use::COPY_TARGET);
+        self.recorder.image_barrier(
+            self.target.part(),
+            WindowTarget::FIRST,
+            ResourceUse::COPY_TARGET,
+        );
         WindowScreen::paste(&mut self.recorder, picture, size, &self.target, at);
         self.pasted = true;
     }

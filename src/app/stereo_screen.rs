@@ -8,7 +8,7 @@ use std::sync::Arc;
 use ash::vk;
 use glam::{IVec2, UVec2};
 
-use crate::gpu::{Attachment, Device, EyeImage, Load, Recorder, Result, Use};
+use crate::gpu::{Attachment, Device, EyeImage, Load, Recorder, ResourceUse, Result};
 use crate::render::{Stereo, StereoSources};
 use crate::screen::window::WindowTarget;
 use crate::view::StereoLayout;
@@ -46,7 +46,7 @@ impl StereoScreen {
         if self.interface.size() != size {
             self.interface = image(&self.device, self.format, size)?;
         }
-        self.interface.begin_overwrite(recorder, 0, Use::COLOUR_TARGET);
+        self.interface.begin_overwrite(recorder, 0, ResourceUse::COLOUR_TARGET);
         let view = self.interface.image().layer_view(0);
         let attachment = Attachment { view, load: Load::Colour([0.0; 4]), store: true };
         recorder.begin_rendering(size.to_array(), Some(attachment), None);
@@ -62,13 +62,13 @@ impl StereoScreen {
         pair: StereoPair,
     ) -> Result<()> {
         let StereoPair { pictures, corner, layout } = pair;
-        self.interface.transition(recorder, 0, Use::SHADER_READ);
+        self.interface.transition(recorder, 0, ResourceUse::SHADER_READ);
         for eye in 0..pictures.eyes() {
-            pictures.transition(recorder, eye, Use::SHADER_READ);
+            pictures.transition(recorder, eye, ResourceUse::SHADER_READ);
         }
         let sources = StereoSources { pictures, corner, interface: &self.interface };
         self.pass.begin(slot, &sources);
-        recorder.image_barrier(target.part(), WindowTarget::FIRST, Use::COLOUR_TARGET);
+        recorder.image_barrier(target.part(), WindowTarget::FIRST, ResourceUse::COLOUR_TARGET);
         for layer in 0..target.layers() {
             let view = target.view(layer as usize);
             let attachment = Attachment { view, load: Load::Forget, store: true };
@@ -76,7 +76,7 @@ impl StereoScreen {
             self.pass.draw(recorder, layout, layer, &sources)?;
             recorder.end_rendering();
         }
-        recorder.image_barrier(target.part(), Use::COLOUR_TARGET, Use::PRESENT);
+        recorder.image_barrier(target.part(), ResourceUse::COLOUR_TARGET, ResourceUse::PRESENT);
         Ok(())
     }
 }

@@ -10,7 +10,7 @@ use crate::document::Limits;
 use crate::editor::job::Failure;
 use crate::format::options::ImportOptions;
 use crate::format::{self, FormatError};
-use crate::progress::Report;
+use crate::progress::ProgressReport;
 use crate::remedy::told;
 use crate::ui::dialogs::import::ImportDialog;
 
@@ -20,9 +20,9 @@ pub(super) fn work(
     import: ImportOptions,
     limits: Limits,
     dialog: &ImportDialog,
-) -> impl FnOnce(&Report) -> Result<String, Failure> + Send + use<> {
+) -> impl FnOnce(&ProgressReport) -> Result<String, Failure> + Send + use<> {
     let news = dialog.news();
-    move |report: &Report| {
+    move |report: &ProgressReport| {
         let found = match format::study(&path, &import, &limits, report) {
             Err(FormatError::Cancelled) => return Err(Failure::Cancelled),
             found => found.map_err(|error| told(&error)),

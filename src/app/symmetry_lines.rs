@@ -6,7 +6,7 @@
 use glam::{Quat, UVec3, Vec3};
 
 use crate::document::Document;
-use crate::render::overlay::Line;
+use crate::render::overlay::OverlayLine;
 use crate::sculpture::Rgb;
 use crate::tools::symmetry::{MirrorPlane, Radial};
 
@@ -19,7 +19,7 @@ const SPOKE: f32 = 0.12;
 pub const MIRROR: Rgb = Rgb::new(0xb0, 0x8c, 0xf0);
 
 /// Returns the lines of all mirror planes and axes.
-pub fn lines(document: &Document) -> Vec<Line> {
+pub fn lines(document: &Document) -> Vec<OverlayLine> {
     let (grid, symmetry) = (document.grid(), document.symmetry());
     let dims = grid.dims();
     let stretch = grid.voxel_size() / grid.voxel_size().min_element();
@@ -29,7 +29,8 @@ pub fn lines(document: &Document) -> Vec<Line> {
     }
     pairs.extend(symmetry.plane.iter().flat_map(|plane| of_plane(plane, dims, stretch)));
     pairs.extend(symmetry.radial.iter().flat_map(|radial| of_axis(radial, dims, stretch)));
-    let line = |(from, to)| Line { from, to, colour: MIRROR, width_px: 1.2, opacity: [0.8, 0.3] };
+    let line =
+        |(from, to)| OverlayLine { from, to, colour: MIRROR, width_px: 1.2, opacity: [0.8, 0.3] };
     pairs.into_iter().map(line).collect()
 }
 

@@ -19,7 +19,7 @@ const LOOK_VX: f32 = 20.0;
 const GRID_VX: u32 = 44;
 
 /// The measurements for one shape.
-struct Row {
+struct ShapeErrors {
     name: String,
     moment: Spread,
     field: Spread,
@@ -112,7 +112,7 @@ fn grid_of(edge_vx: u32, inside: &(dyn Fn(Vec3) -> bool + Sync)) -> Result<Grid,
 fn compare(
     grid: &Grid,
     to_eye: Vec3,
-    rows: &mut [Row],
+    rows: &mut [ShapeErrors],
     wanted: &dyn Fn(Vec3) -> Option<(usize, Vec3)>,
 ) {
     let field = NormalField::of(grid);
@@ -134,8 +134,8 @@ fn compare(
     }
 }
 
-fn row(name: impl Into<String>) -> Row {
-    Row { name: name.into(), moment: Spread::default(), field: Spread::default() }
+fn row(name: impl Into<String>) -> ShapeErrors {
+    ShapeErrors { name: name.into(), moment: Spread::default(), field: Spread::default() }
 }
 
 fn direction(random: &mut Random) -> Vec3 {
@@ -156,7 +156,7 @@ fn is_inner(p: Vec3) -> bool {
     (p - GRID_VX as f32).abs().max_element() < LOOK_VX
 }
 
-fn ball(radius: f32, random: &mut Random) -> Result<Row, GridError> {
+fn ball(radius: f32, random: &mut Random) -> Result<ShapeErrors, GridError> {
     let mut rows = [row(format!("ball of radius {radius}"))];
     let to_eye = direction(random);
     // Patches, one of them seen from its own direction.
@@ -170,7 +170,7 @@ fn ball(radius: f32, random: &mut Random) -> Result<Row, GridError> {
     Ok(row)
 }
 
-fn plane(random: &mut Random) -> Result<Row, GridError> {
+fn plane(random: &mut Random) -> Result<ShapeErrors, GridError> {
     let mut rows = [row("planes")];
     for _ in 0..16 {
         let out = direction(random);
@@ -183,7 +183,7 @@ fn plane(random: &mut Random) -> Result<Row, GridError> {
 }
 
 /// Measures faces, by distance from the nearest edge.
-fn cube(random: &mut Random) -> Result<[Row; 4], GridError> {
+fn cube(random: &mut Random) -> Result<[ShapeErrors; 4], GridError> {
     let bands = ["beyond 3 voxels", "2 to 3", "1 to 2", "0 to 1"];
     let mut rows = bands.map(|band| row(format!("cubes, from edges {band}")));
     for turn in 0..6 {
@@ -208,7 +208,7 @@ fn cube(random: &mut Random) -> Result<[Row; 4], GridError> {
 }
 
 /// Measures the sides of walls of two voxels.
-fn wall(random: &mut Random) -> Result<Row, GridError> {
+fn wall(random: &mut Random) -> Result<ShapeErrors, GridError> {
     let mut rows = [row("walls 2 voxels thick")];
     for turn in 0..9 {
         let out = Vec3::AXES.get(turn).copied().unwrap_or_else(|| direction(random));

@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use super::report::Report;
+use super::report::BenchReport;
 
 const WIDTH: f64 = 900.0;
 const LEFT: f64 = 240.0;
@@ -15,7 +15,7 @@ const COLOURS: [&str; 8] =
     ["#3b6ea5", "#d08c3a", "#5a9a5f", "#b5534f", "#7a64a8", "#7d7d7d", "#3f9a98", "#b86aa0"];
 
 /// Returns a plot of the median frame of each mode in each scene.
-pub fn svg(report: &Report) -> String {
+pub fn svg(report: &BenchReport) -> String {
     let frames = || report.scenes.iter().flat_map(|s| &s.modes).map(|m| m.frame.median_ms);
     let least = frames().fold(f64::INFINITY, f64::min).clamp(1e-3, 1e4);
     let most = frames().fold(least, f64::max);

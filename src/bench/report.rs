@@ -13,7 +13,7 @@ use super::statistics::Times;
 
 /// The results of a benchmark. Times are in milliseconds.
 #[derive(Clone, PartialEq, Debug, Serialize)]
-pub struct Report {
+pub struct BenchReport {
     pub program: String,
     pub suite: String,
     pub machine: Machine,
@@ -79,7 +79,7 @@ impl DeviceReport {
     }
 }
 
-impl fmt::Display for Report {
+impl fmt::Display for BenchReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Machine { processor, threads, vectors, copy_bytes_per_s, vulkan, os, load } =
             &self.machine;
@@ -161,7 +161,7 @@ impl fmt::Display for Report {
     }
 }
 
-impl Report {
+impl BenchReport {
     /// Writes the device's times; nothing if it has no time stamps.
     fn write_device_times(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let modes = || self.scenes.iter().flat_map(|s| s.modes.iter().map(move |mode| (s, mode)));

@@ -8,7 +8,9 @@ use glam::Vec2;
 use super::PictureArgs;
 use super::error::ArgumentError;
 use crate::picture::{FinalOptions, LINEAR_ENDING};
-use crate::trace::{AreaLight, Ground, Lens, LightOptions, MAX_BOUNCES, SunLight, TraceOptions};
+use crate::trace::{
+    AreaLight, Lens, LightOptions, MAX_BOUNCES, SunLight, TraceGround, TraceOptions,
+};
 
 /// How much time a picture may take.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, ValueEnum)]
@@ -104,7 +106,7 @@ impl FinalArgs {
         *samples = picture.samples.unwrap_or(*samples);
         *bounces = self.bounces.unwrap_or(*bounces);
         if let Some(choice) = picture.ground {
-            *ground = choice.colour().map(|colour| Ground { colour });
+            *ground = choice.colour().map(|colour| TraceGround { colour });
         }
         *lens = Lens {
             aperture: self.aperture.map_or(lens.aperture, |percent| percent / 100.0),

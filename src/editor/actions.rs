@@ -12,7 +12,7 @@ use super::marker;
 use super::pointer::PointerUse;
 use super::sizes::gauge_at;
 use super::stroke::{PointerGuide, PointerLead, SolidGuide, StrokeScene};
-use super::symmetry::Placed;
+use super::symmetry::SymmetryPart;
 use super::tool::{NextPress, ToolEdit, ToolKind};
 use super::tool_view::ToolView;
 use crate::command::{Area, Command, MaskChange};
@@ -85,8 +85,8 @@ impl Editor {
             Action::Wand => self.wand(picker),
             Action::InvertMask => self.run(Command::Mask(MaskChange::Invert)),
             Action::ClearMask => self.run(Command::Mask(MaskChange::Clear)),
-            Action::MirrorPlane => self.toggle_symmetry(Placed::Plane),
-            Action::Radial => self.toggle_symmetry(Placed::Axis),
+            Action::MirrorPlane => self.toggle_symmetry(SymmetryPart::Plane),
+            Action::Radial => self.toggle_symmetry(SymmetryPart::Axis),
             Action::Mirror(axis) => {
                 let mut symmetry = self.document().symmetry();
                 let parity = &mut symmetry.axes[axis.index()];
@@ -554,14 +554,14 @@ impl Editor {
         }
     }
 
-    fn toggle_symmetry(&mut self, what: Placed) {
+    fn toggle_symmetry(&mut self, what: SymmetryPart) {
         let document = self.document();
         let symmetry = what.toggled(document.symmetry(), document.grid().dims());
         self.execute(&Command::Symmetry(symmetry));
     }
 
     /// Places a part of the symmetry where a press meets the surface.
-    fn place_symmetry(&mut self, what: Placed, at: Vec2, picker: &Picker) {
+    fn place_symmetry(&mut self, what: SymmetryPart, at: Vec2, picker: &Picker) {
         let Some(point) = self.target(at, picker) else {
             self.note("Press on the surface to place it there");
             return;
@@ -571,7 +571,7 @@ impl Editor {
     }
 
     /// Places a part of the symmetry.
-    pub(super) fn put_symmetry(&mut self, what: Placed, at_vx: Vec3, direction: Vec3) {
+    pub(super) fn put_symmetry(&mut self, what: SymmetryPart, at_vx: Vec3, direction: Vec3) {
         let before = self.document().symmetry();
         let symmetry = what.put(before, at_vx, direction);
         if symmetry != before {

@@ -15,10 +15,10 @@ use crate::command::Command;
 use crate::document::{Applied, CommandError, Document};
 use crate::format;
 use crate::notice::Notice;
-use crate::progress::Report;
+use crate::progress::ProgressReport;
 use crate::remedy::told;
 use crate::sculpture::edit::EditStats;
-use crate::session::{Done, Session, SessionError, Work};
+use crate::session::{FinishedWork, Session, SessionError, Work};
 
 /// Executes commands on the session that it owns.
 pub(super) struct CommandRunner {
@@ -331,7 +331,7 @@ impl CommandRunner {
     /// Runs `work`, the long part of `command`, on a thread. The former work must be over.
     pub fn start_work<W>(&mut self, work: W, command: &Command, then: Then)
     where
-        W: FnOnce(&Report) -> Result<Done, SessionError> + Send + 'static,
+        W: FnOnce(&ProgressReport) -> Result<FinishedWork, SessionError> + Send + 'static,
     {
         self.jobs.start_work(work, command, then);
     }
@@ -340,7 +340,7 @@ impl CommandRunner {
     /// during other work. Returns whether it began.
     pub fn start_side_work<W>(&mut self, work: W, sign: &'static str) -> bool
     where
-        W: FnOnce(&Report) -> Result<String, Failure> + Send + 'static,
+        W: FnOnce(&ProgressReport) -> Result<String, Failure> + Send + 'static,
     {
         let begun = self.jobs.start_side_work(work, sign);
         begun.map_err(|why| self.error(why)).is_ok()
@@ -349,7 +349,7 @@ impl CommandRunner {
     /// Runs work on a thread that restores a session to replace this one, with a notice. Refused during other work.
     pub fn start_recovery<W>(&mut self, work: W)
     where
-        W: FnOnce(&Report) -> Result<(Session, Notice), Failure> + Send + 'static,
+        W: FnOnce(&ProgressReport) -> Result<(Session, Notice), Failure> + Send + 'static,
     {
         if let Err(why) = self.jobs.start_recovery(work) {
             self.error(why);
@@ -456,7 +456,7 @@ impl CommandRunner {
     }
 
     /// Applies the result of the long part of a command. Returns true if that succeeded.
-    fn complete(&mut self, done: Done) -> bool {
+    fn complete(&mut self, done: FinishedWork) -> bool {
         let command = done.command().clone();
         let dims = self.document().grid().dims();
         let applied = match self.session.complete(done) {

@@ -4,7 +4,7 @@
 
 use glam::{Affine3A, Quat, UVec3, Vec3};
 
-use super::symmetry::Placed;
+use super::symmetry::SymmetryPart;
 use super::tool::ToolState;
 use crate::document::Document;
 use crate::surface::raycast;
@@ -25,7 +25,7 @@ pub struct HandTool {
     /// The present stroke is the hand's, not the mouse's.
     pub(super) stroke: bool,
     /// The part of the symmetry that follows the hand.
-    pub(super) symmetry: Option<Placed>,
+    pub(super) symmetry: Option<SymmetryPart>,
     /// The marker follows the hand from this grid point.
     pub(super) marker: Option<Vec3>,
 }

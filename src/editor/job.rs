@@ -13,9 +13,9 @@ use std::time::{Duration, Instant};
 use super::questions::Next;
 use crate::command::Command;
 use crate::notice::Notice;
-use crate::progress::{Report, Stage};
+use crate::progress::{ProgressReport, Stage};
 use crate::remedy::told;
-use crate::session::{Done, FileIdentity, Session, SessionError};
+use crate::session::{FileIdentity, FinishedWork, Session, SessionError};
 use crate::tools::repair::Repair;
 
 /// Shorter work has no sign, which would only flicker.
@@ -37,7 +37,7 @@ pub struct Busy {
 #[derive(Debug)]
 pub(super) enum Product {
     /// The result of a command, to be applied.
-    Change(Box<Done>),
+    Change(Box<FinishedWork>),
     /// Nothing changes, but the person is told.
     Note(String),
     /// Another session to replace the present one, and a message to the person.
@@ -70,7 +70,7 @@ impl From<SessionError> for Failure {
 /// Work on a thread.
 struct RunningJob {
     thread: JoinHandle<Result<Product, Failure>>,
-    report: Arc<Report>,
+    report: Arc<ProgressReport>,
     sign: &'static str,
     started: Instant,
     /// Leaving the program waits for it.
@@ -91,9 +91,9 @@ pub enum Then {
 impl RunningJob {
     fn start<W>(work: W, sign: &'static str, is_save: bool, then: Then) -> RunningJob
     where
-        W: FnOnce(&Report) -> Result<Product, Failure> + Send + 'static,
+        W: FnOnce(&ProgressReport) -> Result<Product, Failure> + Send + 'static,
     {
-        let report = Arc::new(Report::default());
+        let report = Arc::new(ProgressReport::default());
         let told = report.clone();
         RunningJob {
             thread: std::thread::spawn(move || work(&told)),
@@ -153,7 +153,7 @@ impl Jobs {
     /// Runs `work`, the long part of `command`, on a thread. The former work must be over.
     pub fn start_work<W>(&mut self, work: W, command: &Command, then: Then)
     where
-        W: FnOnce(&Report) -> Result<Done, SessionError> + Send + 'static,
+        W: FnOnce(&ProgressReport) -> Result<FinishedWork, SessionError> + Send + 'static,
     {
         let sign = match command {
             Command::Open { .. } => "Opening",
@@ -168,7 +168,7 @@ impl Jobs {
             _ => "Creating a new sculpture",
         };
         let is_save = matches!(command, Command::Save { .. });
-        let work = move |report: &Report| Ok(Product::Change(Box::new(work(report)?)));
+        let work = move |report: &ProgressReport| Ok(Product::Change(Box::new(work(report)?)));
         self.job = Some(RunningJob::start(work, sign, is_save, then));
     }
 
@@ -176,10 +176,10 @@ impl Jobs {
     /// person.
     pub fn start_side_work<W>(&mut self, work: W, sign: &'static str) -> Result<(), String>
     where
-        W: FnOnce(&Report) -> Result<String, Failure> + Send + 'static,
+        W: FnOnce(&ProgressReport) -> Result<String, Failure> + Send + 'static,
     {
         self.require_idle(sign)?;
-        let work = move |report: &Report| work(report).map(Product::Note);
+        let work = move |report: &ProgressReport| work(report).map(Product::Note);
         self.job = Some(RunningJob::start(work, sign, false, Then::Stay));
         Ok(())
     }
@@ -188,11 +188,11 @@ impl Jobs {
     /// person.
     pub fn start_recovery<W>(&mut self, work: W) -> Result<(), String>
     where
-        W: FnOnce(&Report) -> Result<(Session, Notice), Failure> + Send + 'static,
+        W: FnOnce(&ProgressReport) -> Result<(Session, Notice), Failure> + Send + 'static,
     {
         const SIGN: &str = "Recovering";
         self.require_idle(SIGN)?;
-        let work = move |report: &Report| {
+        let work = move |report: &ProgressReport| {
             let (session, notice) = work(report)?;
             Ok(Product::Session(Box::new(session), notice))
         };

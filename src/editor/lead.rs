@@ -35,10 +35,10 @@ pub(super) enum LeadEffect {
 
 /// A change of the tool in progress, if there is one.
 #[derive(Debug, Default)]
-pub(super) struct Leading(Option<State>);
+pub(super) struct Leading(Option<LeadState>);
 
 #[derive(Debug)]
-enum State {
+enum LeadState {
     Led {
         what: Led,
         /// The last position of the pointer, if it was over the picture.
@@ -53,7 +53,7 @@ enum State {
 impl Leading {
     /// Returns whether the pointer sets the size or the strength of the tool.
     pub fn is_under_way(&self) -> bool {
-        matches!(self.0, Some(State::Led { .. }))
+        matches!(self.0, Some(LeadState::Led { .. }))
     }
 
     /// Begins with the pointer at `at`. Refused for a tool without such a value, with the reason.
@@ -69,7 +69,7 @@ impl Leading {
         if what == Led::Strength && with_strength(tool).is_none() {
             return Err("This tool has no strength");
         }
-        self.0 = Some(State::Led { what, at, before: Box::new(tool.clone()) });
+        self.0 = Some(LeadState::Led { what, at, before: Box::new(tool.clone()) });
         Ok(())
     }
 
@@ -77,7 +77,7 @@ impl Leading {
     pub fn hear(&mut self, event: &ActionEvent, tool: &mut ToolState) -> LeadEffect {
         let (what, at) = match &mut self.0 {
             None => return LeadEffect::Other,
-            Some(State::Over(action)) => {
+            Some(LeadState::Over(action)) => {
                 let over = *action;
                 if *event == ActionEvent::End(over) {
                     self.0 = None;
@@ -91,7 +91,7 @@ impl Leading {
                     _ => LeadEffect::Other,
                 };
             }
-            Some(State::Led { what, at, .. }) => (*what, at),
+            Some(LeadState::Led { what, at, .. }) => (*what, at),
         };
         match *event {
             ActionEvent::Hover(to) => {
@@ -109,11 +109,11 @@ impl Leading {
             ActionEvent::Left => *at = None,
             // A click with the sculpting button keeps it.
             ActionEvent::Begin { action, .. } if action.is_stroke() => {
-                self.0 = Some(State::Over(action));
+                self.0 = Some(LeadState::Over(action));
             }
             ActionEvent::Begin { action, .. } => {
                 self.give_back(tool);
-                self.0 = Some(State::Over(action));
+                self.0 = Some(LeadState::Over(action));
             }
             ActionEvent::Tap(Action::Cancel) => self.give_back(tool),
             // The same key again, or another action, keeps it.
@@ -130,7 +130,7 @@ impl Leading {
     }
 
     fn give_back(&mut self, tool: &mut ToolState) {
-        if let Some(State::Led { before, .. }) = self.0.take() {
+        if let Some(LeadState::Led { before, .. }) = self.0.take() {
             *tool = *before;
         }
     }

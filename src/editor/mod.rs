@@ -46,8 +46,8 @@ use crate::format::options::ExportOptions;
 use crate::input::pen::PenTouch;
 use crate::notice::Notice;
 use crate::picking::Picker;
-use crate::progress::Report;
-use crate::session::{Done, Session, SessionError};
+use crate::progress::ProgressReport;
+use crate::session::{FinishedWork, Session, SessionError};
 
 use commands::CommandRunner;
 use draw::{DrawTool, Drawn, Progress, Sketch};
@@ -260,7 +260,7 @@ impl Editor {
     /// Runs `work`, the long part of `command`, on a thread. The former work must be over.
     pub fn start_work<W>(&mut self, work: W, command: &Command, then: Then)
     where
-        W: FnOnce(&Report) -> Result<Done, SessionError> + Send + 'static,
+        W: FnOnce(&ProgressReport) -> Result<FinishedWork, SessionError> + Send + 'static,
     {
         self.commands.start_work(work, command, then);
     }
@@ -269,7 +269,7 @@ impl Editor {
     /// during other work. Returns whether it began.
     pub fn start_side_work<W>(&mut self, work: W, sign: &'static str) -> bool
     where
-        W: FnOnce(&Report) -> Result<String, Failure> + Send + 'static,
+        W: FnOnce(&ProgressReport) -> Result<String, Failure> + Send + 'static,
     {
         self.commands.start_side_work(work, sign)
     }
@@ -277,7 +277,7 @@ impl Editor {
     /// Runs work on a thread that restores a session to replace this one, with a notice. Refused during other work.
     pub fn start_recovery<W>(&mut self, work: W)
     where
-        W: FnOnce(&Report) -> Result<(Session, Notice), Failure> + Send + 'static,
+        W: FnOnce(&ProgressReport) -> Result<(Session, Notice), Failure> + Send + 'static,
     {
         self.commands.start_recovery(work);
     }

@@ -8,7 +8,7 @@ use crate::session::{Session, SessionError};
 
 /// The place of the sculpture.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub enum Kept {
+pub enum SecuredPlace {
     /// In this journal, with undo and redo.
     Journal(PathBuf),
     /// In this file.
@@ -16,10 +16,10 @@ pub enum Kept {
 }
 
 /// Makes sure that no work is lost: it is in the journal, or if that is incomplete, is saved in `folder`.
-pub fn secure(session: &mut Session, folder: &Path) -> Result<Kept, SessionError> {
+pub fn secure(session: &mut Session, folder: &Path) -> Result<SecuredPlace, SessionError> {
     match session.journal_path() {
-        Some(path) if session.secure_in_journal() => Ok(Kept::Journal(path)),
-        _ => save(session, folder).map(Kept::File),
+        Some(path) if session.secure_in_journal() => Ok(SecuredPlace::Journal(path)),
+        _ => save(session, folder).map(SecuredPlace::File),
     }
 }
 

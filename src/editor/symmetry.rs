@@ -19,27 +19,27 @@ pub const FIRST_COUNT: u32 = 6;
 
 /// The part of the symmetry to place.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Placed {
+pub enum SymmetryPart {
     /// The mirror plane.
     Plane,
     /// The axis of rotation.
     Axis,
 }
 
-impl Placed {
+impl SymmetryPart {
     /// Returns the direction of a plane's normal or of an axis placed at `point`, seen at a pixel: a plane contains the
     /// line of sight and the vertical of the picture, an axis points out of the surface.
     pub(super) fn direction_at(self, point: Vec3, at: Vec2, grid: &Grid, picker: &Picker) -> Vec3 {
         let edges = grid.voxel_size() / grid.voxel_size().min_element();
         match self {
-            Placed::Plane => {
+            SymmetryPart::Plane => {
                 let rays = &picker.sight().rays;
                 let way = |at: Vec2| (rays.direction_at(at.x, at.y) * edges).normalize_or_zero();
                 let ahead = way(at);
                 let right = way(at + Vec2::X) - ahead;
                 (right - ahead * right.dot(ahead)).normalize_or(Vec3::X)
             }
-            Placed::Axis => {
+            SymmetryPart::Axis => {
                 let around = normal_around(grid, point, GROUND);
                 around.unwrap_or_else(|| picker.normal(grid, at, false)).normalize_or(Vec3::Y)
             }
@@ -49,8 +49,8 @@ impl Placed {
     /// Returns the direction in a hand that holds it upright: a plane across the hand, an axis upright in it.
     pub(super) fn direction_in_hand(self) -> Vec3 {
         match self {
-            Placed::Plane => Vec3::X,
-            Placed::Axis => Vec3::Y,
+            SymmetryPart::Plane => Vec3::X,
+            SymmetryPart::Axis => Vec3::Y,
         }
     }
 
@@ -58,8 +58,8 @@ impl Placed {
     pub(super) fn put(self, mut symmetry: Symmetry, at_vx: Vec3, direction: Vec3) -> Symmetry {
         let (at_vx, direction) = snapped(at_vx, direction);
         match self {
-            Placed::Plane => symmetry.plane = Some(MirrorPlane { at_vx, normal: direction }),
-            Placed::Axis => {
+            SymmetryPart::Plane => symmetry.plane = Some(MirrorPlane { at_vx, normal: direction }),
+            SymmetryPart::Axis => {
                 let count = symmetry.radial.map_or(FIRST_COUNT, |radial| radial.count);
                 symmetry.radial = Some(Radial { at_vx, axis: direction, count });
             }
@@ -72,11 +72,11 @@ impl Placed {
     pub(super) fn toggled(self, mut symmetry: Symmetry, dims: UVec3) -> Symmetry {
         let at_vx = (dims / 2).as_vec3();
         match self {
-            Placed::Plane => {
+            SymmetryPart::Plane => {
                 let plane = MirrorPlane { at_vx, normal: Vec3::X };
                 symmetry.plane = symmetry.plane.is_none().then_some(plane);
             }
-            Placed::Axis => {
+            SymmetryPart::Axis => {
                 let radial = Radial { at_vx, axis: Vec3::Y, count: FIRST_COUNT };
                 symmetry.radial = symmetry.radial.is_none().then_some(radial);
             }

@@ -10,7 +10,7 @@ use super::brushes::Brushes;
 use super::draw::options::DrawOptions;
 use super::pen_use::{PenTool, PenUse, PenUses};
 use super::sizes::SizeUnit;
-use super::symmetry::Placed;
+use super::symmetry::SymmetryPart;
 use super::wand::Wand;
 use crate::command::Command;
 use crate::input::{DrawKind, ToolMode};
@@ -99,7 +99,7 @@ pub enum NextPress {
     /// Protects the voxels connected to it.
     Wand,
     /// Places the mirror plane or the axis of rotation.
-    Symmetry(Placed),
+    Symmetry(SymmetryPart),
 }
 
 /// An array of the last operation.

@@ -26,12 +26,12 @@ pub enum Form {
 
 /// A film to be written.
 pub struct Output {
-    target: Target,
+    target: FilmTarget,
     path: PathBuf,
     format: Format,
 }
 
-enum Target {
+enum FilmTarget {
     Folder,
     AnimatedPng(AtomicFile),
     Gif(AtomicFile),
@@ -76,14 +76,14 @@ impl Output {
                 fs::create_dir_all(path)
                     .map_err(|error| FilmError::Folder { path: path.to_path_buf(), error })?;
                 drop(begin(&format.frame_path(path, format.part.start))?);
-                Target::Folder
+                FilmTarget::Folder
             }
-            Form::AnimatedPng => Target::AnimatedPng(begin(path)?),
+            Form::AnimatedPng => FilmTarget::AnimatedPng(begin(path)?),
             Form::Gif => {
                 gif::check(&format).map_err(|rule| FilmError::Form(rule.to_string()))?;
-                Target::Gif(begin(path)?)
+                FilmTarget::Gif(begin(path)?)
             }
-            Form::Y4m => Target::Y4m(begin(path)?),
+            Form::Y4m => FilmTarget::Y4m(begin(path)?),
         };
         Ok(Output { target, path: path.to_path_buf(), format })
     }
@@ -92,10 +92,10 @@ impl Output {
     pub fn write(self, next: &mut NextPicture) -> Result<(), FilmError> {
         let Output { target, path, format } = self;
         match target {
-            Target::Folder => write_folder(&path, &format, next),
-            Target::AnimatedPng(file) => write_animated_png(file, &path, &format, next),
-            Target::Gif(file) => gif::write(file, &path, &format, next),
-            Target::Y4m(file) => write_y4m(file, &path, &format, next),
+            FilmTarget::Folder => write_folder(&path, &format, next),
+            FilmTarget::AnimatedPng(file) => write_animated_png(file, &path, &format, next),
+            FilmTarget::Gif(file) => gif::write(file, &path, &format, next),
+            FilmTarget::Y4m(file) => write_y4m(file, &path, &format, next),
         }
     }
 }

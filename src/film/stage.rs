@@ -55,7 +55,7 @@ impl FilmScene {
 }
 
 /// See the module text.
-pub struct Stage<'a> {
+pub struct FilmStage<'a> {
     scene: FilmScene,
     lapse: Option<Lapse>,
     /// Number of executed commands.
@@ -95,7 +95,7 @@ pub fn begin(job: &FilmJob, context: &Context) -> Result<FilmScene, FilmError> {
     Ok(FilmScene::Session(Box::new(session.map_err(JobError::from)?)))
 }
 
-impl<'a> Stage<'a> {
+impl<'a> FilmStage<'a> {
     /// Creates a stage for `scene` in its [initial](begin) state.
     pub fn new(
         job: &FilmJob,
@@ -104,7 +104,7 @@ impl<'a> Stage<'a> {
         view: PictureView,
         timing: Timing,
         context: &Context<'a>,
-    ) -> Result<Stage<'a>, FilmError> {
+    ) -> Result<FilmStage<'a>, FilmError> {
         let progress = context.progress;
         if let Some(lapse) = &lapse {
             let count = lapse.commands.len().max(1) as f32;
@@ -123,7 +123,17 @@ impl<'a> Stage<'a> {
             scene = begin(job, context)?;
         }
         let maker = PictureMaker::new(&context.config.picture_options(context.device));
-        Ok(Stage { scene, lapse, executed: 0, view, timing, framing, maker, progress, last: None })
+        Ok(FilmStage {
+            scene,
+            lapse,
+            executed: 0,
+            view,
+            timing,
+            framing,
+            maker,
+            progress,
+            last: None,
+        })
     }
 
     /// Returns the picture of a frame, counted from 0. Frames must not decrease from call to call.

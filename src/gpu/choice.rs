@@ -33,7 +33,7 @@ impl DeviceChoice {
 }
 
 /// A usable device.
-pub(super) struct Candidate {
+pub(super) struct DeviceCandidate {
     pub physical: vk::PhysicalDevice,
     pub properties: vk::PhysicalDeviceProperties,
     pub queue_family: u32,
@@ -43,7 +43,7 @@ pub(super) struct Candidate {
     pub time_stamp_bits: u32,
 }
 
-impl Candidate {
+impl DeviceCandidate {
     pub fn name(&self) -> String {
         device_name(&self.properties)
     }
@@ -54,7 +54,7 @@ pub(super) fn candidates(
     instance: &Instance,
     host: &mut dyn Host,
     choice: &DeviceChoice,
-) -> Result<(Vec<Candidate>, Vec<String>)> {
+) -> Result<(Vec<DeviceCandidate>, Vec<String>)> {
     if let Some(physical) = host.prescribed_device(instance)? {
         let candidate = candidate(instance, host, physical)?.map_err(GpuError::NoneSuitable)?;
         return Ok((vec![candidate], Vec::new()));
@@ -197,7 +197,7 @@ fn candidate(
     instance: &Instance,
     host: &dyn Host,
     physical: vk::PhysicalDevice,
-) -> Result<std::result::Result<Candidate, String>> {
+) -> Result<std::result::Result<DeviceCandidate, String>> {
     let raw = instance.raw();
     // SAFETY: plain queries of a device of this instance.
     let (properties, families, extensions) = unsafe {
@@ -230,7 +230,7 @@ fn candidate(
         let index = index as u32;
         if family.queue_flags.contains(needed) && host.can_show(physical, index)? {
             let time_stamp_bits = family.timestamp_valid_bits;
-            return Ok(Ok(Candidate {
+            return Ok(Ok(DeviceCandidate {
                 physical,
                 properties,
                 queue_family: index,

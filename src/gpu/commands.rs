@@ -19,36 +19,39 @@ pub const FRAMES_IN_FLIGHT: usize = 2;
 
 /// The use of an image or a buffer on one side of a barrier.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Use {
+pub struct ResourceUse {
     pub stage: vk::PipelineStageFlags2,
     pub access: vk::AccessFlags2,
     pub layout: vk::ImageLayout,
 }
 
-impl Use {
+impl ResourceUse {
     const fn new(
         stage: vk::PipelineStageFlags2,
         access: vk::AccessFlags2,
         layout: vk::ImageLayout,
-    ) -> Use {
-        Use { stage, access, layout }
+    ) -> ResourceUse {
+        ResourceUse { stage, access, layout }
     }
 
     /// Not used before, or its contents may be discarded.
-    pub const NOTHING: Use =
-        Use::new(vk::PipelineStageFlags2::NONE, vk::AccessFlags2::NONE, vk::ImageLayout::UNDEFINED);
-    pub const COPY_SOURCE: Use = Use::new(
+    pub const NOTHING: ResourceUse = ResourceUse::new(
+        vk::PipelineStageFlags2::NONE,
+        vk::AccessFlags2::NONE,
+        vk::ImageLayout::UNDEFINED,
+    );
+    pub const COPY_SOURCE: ResourceUse = ResourceUse::new(
         vk::PipelineStageFlags2::COPY,
         vk::AccessFlags2::TRANSFER_READ,
         vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
     );
-    pub const COPY_TARGET: Use = Use::new(
+    pub const COPY_TARGET: ResourceUse = ResourceUse::new(
         vk::PipelineStageFlags2::COPY,
         vk::AccessFlags2::TRANSFER_WRITE,
         vk::ImageLayout::TRANSFER_DST_OPTIMAL,
     );
     /// Fetched from in a fragment or compute shader.
-    pub const SHADER_READ: Use = Use::new(
+    pub const SHADER_READ: ResourceUse = ResourceUse::new(
         vk::PipelineStageFlags2::from_raw(
             vk::PipelineStageFlags2::FRAGMENT_SHADER.as_raw()
                 | vk::PipelineStageFlags2::COMPUTE_SHADER.as_raw(),
@@ -57,12 +60,12 @@ impl Use {
         vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
     );
     /// Written by a compute shader.
-    pub const SHADER_WRITE: Use = Use::new(
+    pub const SHADER_WRITE: ResourceUse = ResourceUse::new(
         vk::PipelineStageFlags2::COMPUTE_SHADER,
         vk::AccessFlags2::SHADER_WRITE,
         vk::ImageLayout::GENERAL,
     );
-    pub const COLOUR_TARGET: Use = Use::new(
+    pub const COLOUR_TARGET: ResourceUse = ResourceUse::new(
         vk::PipelineStageFlags2::COLOR_ATTACHMENT_OUTPUT,
         vk::AccessFlags2::from_raw(
             vk::AccessFlags2::COLOR_ATTACHMENT_WRITE.as_raw()
@@ -70,7 +73,7 @@ impl Use {
         ),
         vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
     );
-    pub const DEPTH_TARGET: Use = Use::new(
+    pub const DEPTH_TARGET: ResourceUse = ResourceUse::new(
         vk::PipelineStageFlags2::from_raw(
             vk::PipelineStageFlags2::EARLY_FRAGMENT_TESTS.as_raw()
                 | vk::PipelineStageFlags2::LATE_FRAGMENT_TESTS.as_raw(),
@@ -82,13 +85,13 @@ impl Use {
         vk::ImageLayout::DEPTH_ATTACHMENT_OPTIMAL,
     );
     /// Presented. A semaphore orders it.
-    pub const PRESENT: Use = Use::new(
+    pub const PRESENT: ResourceUse = ResourceUse::new(
         vk::PipelineStageFlags2::NONE,
         vk::AccessFlags2::NONE,
         vk::ImageLayout::PRESENT_SRC_KHR,
     );
     /// Read by the CPU after the submission.
-    pub const HOST_READ: Use = Use::new(
+    pub const HOST_READ: ResourceUse = ResourceUse::new(
         vk::PipelineStageFlags2::HOST,
         vk::AccessFlags2::HOST_READ,
         vk::ImageLayout::GENERAL,
@@ -96,8 +99,8 @@ impl Use {
 
     /// Returns the same use with its contents discarded: no layout to keep, but still ordered after the former use,
     /// whose writes must finish before others to the same memory.
-    pub const fn discarded(self) -> Use {
-        Use::new(self.stage, self.access, vk::ImageLayout::UNDEFINED)
+    pub const fn discarded(self) -> ResourceUse {
+        ResourceUse::new(self.stage, self.access, vk::ImageLayout::UNDEFINED)
     }
 }
 
@@ -112,7 +115,7 @@ pub enum Load {
     Depth(f32),
 }
 
-/// A render target, in the layout of [`Use::COLOUR_TARGET`] or [`Use::DEPTH_TARGET`].
+/// A render target, in the layout of [`ResourceUse::COLOUR_TARGET`] or [`ResourceUse::DEPTH_TARGET`].
 #[derive(Clone, Copy, Debug)]
 pub struct Attachment {
     pub view: vk::ImageView,
@@ -158,7 +161,7 @@ impl Recorder {
     }
 
     /// Makes the use `to` of the image wait for the use `from`.
-    pub fn image_barrier(&mut self, part: ImagePart, from: Use, to: Use) {
+    pub fn image_barrier(&mut self, part: ImagePart, from: ResourceUse, to: ResourceUse) {
         let barrier = [vk::ImageMemoryBarrier2::default()
             .src_stage_mask(from.stage)
             .src_access_mask(from.access)
@@ -176,7 +179,7 @@ impl Recorder {
     }
 
     /// Makes the use `to` of any buffer wait for the use `from`.
-    pub fn buffer_barrier(&mut self, from: Use, to: Use) {
+    pub fn buffer_barrier(&mut self, from: ResourceUse, to: ResourceUse) {
         let barrier = [vk::MemoryBarrier2::default()
             .src_stage_mask(from.stage)
             .src_access_mask(from.access)
@@ -324,7 +327,7 @@ impl Recorder {
         unsafe { self.device.raw().cmd_copy_buffer(self.buffer, from, to, copies) };
     }
 
-    /// Copies from a buffer to an image in the layout of [`Use::COPY_TARGET`].
+    /// Copies from a buffer to an image in the layout of [`ResourceUse::COPY_TARGET`].
     pub fn copy_to_image(
         &mut self,
         from: vk::Buffer,
@@ -337,7 +340,7 @@ impl Recorder {
         unsafe { raw.cmd_copy_buffer_to_image(self.buffer, from, to.image, layout, copies) };
     }
 
-    /// Copies from an image in the layout of [`Use::COPY_SOURCE`] to a buffer.
+    /// Copies from an image in the layout of [`ResourceUse::COPY_SOURCE`] to a buffer.
     pub fn copy_from_image(
         &mut self,
         from: ImagePart,

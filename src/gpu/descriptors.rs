@@ -6,7 +6,7 @@ use ash::vk;
 
 use super::device::Device;
 use super::error::{During, Result};
-use super::memory::Piece;
+use super::memory::BufferRange;
 use super::retire::Retired;
 
 /// One binding of set 0: number, kind, and the stages that access it.
@@ -133,13 +133,13 @@ impl DescriptorSets {
         self.sets[index]
     }
 
-    /// Binds a sampled image without a sampler, in the layout of [`crate::gpu::Use::SHADER_READ`].
+    /// Binds a sampled image without a sampler, in the layout of [`crate::gpu::ResourceUse::SHADER_READ`].
     pub fn write_sampled(&self, index: usize, binding: u32, view: vk::ImageView) {
         let layout = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
         self.write_image(index, binding, vk::DescriptorType::SAMPLED_IMAGE, view, layout);
     }
 
-    /// Binds a sampled image with its sampler, in the layout of [`crate::gpu::Use::SHADER_READ`].
+    /// Binds a sampled image with its sampler, in the layout of [`crate::gpu::ResourceUse::SHADER_READ`].
     /// Image and sampler must live as long as the set.
     pub fn write_texture(
         &self,
@@ -162,7 +162,7 @@ impl DescriptorSets {
     }
 
     /// Binds a storage image that compute shaders write, in the layout of
-    /// [`crate::gpu::Use::SHADER_WRITE`].
+    /// [`crate::gpu::ResourceUse::SHADER_WRITE`].
     pub fn write_storage(&self, index: usize, binding: u32, view: vk::ImageView) {
         let layout = vk::ImageLayout::GENERAL;
         self.write_image(index, binding, vk::DescriptorType::STORAGE_IMAGE, view, layout);
@@ -187,8 +187,14 @@ impl DescriptorSets {
     }
 
     /// Binds a range of a buffer.
-    pub fn write_buffer(&self, index: usize, binding: u32, kind: vk::DescriptorType, range: Piece) {
-        let Piece { buffer, offset, bytes } = range;
+    pub fn write_buffer(
+        &self,
+        index: usize,
+        binding: u32,
+        kind: vk::DescriptorType,
+        range: BufferRange,
+    ) {
+        let BufferRange { buffer, offset, bytes } = range;
         let buffers =
             [vk::DescriptorBufferInfo::default().buffer(buffer).offset(offset).range(bytes)];
         let write = vk::WriteDescriptorSet::default()

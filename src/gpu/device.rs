@@ -14,7 +14,7 @@ use gpu_allocator::AllocationSizes;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use winit::raw_window_handle::{HasDisplayHandle, HasWindowHandle};
 
-use super::choice::{Candidate, DeviceChoice, candidates, first_that_works};
+use super::choice::{DeviceCandidate, DeviceChoice, candidates, first_that_works};
 use super::error::{During, GpuError, Result};
 use super::host::WindowSurface;
 use super::instance::{Host, Instance, Validation};
@@ -57,7 +57,7 @@ impl DeviceOptions {
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Default)]
 pub struct Serial(u64);
 
-struct Queue {
+struct DeviceQueue {
     raw: vk::Queue,
     /// Serial of the last submission.
     submitted: u64,
@@ -68,13 +68,13 @@ pub struct Device {
     // Dropped manually in `Drop`, before the device itself.
     allocator: Option<Arc<Mutex<Allocator>>>,
     retired: Mutex<RetireQueue>,
-    queue: Mutex<Queue>,
+    queue: Mutex<DeviceQueue>,
     timeline: vk::Semaphore,
     /// Taken out on drop.
     pipelines: Option<PipelineCache>,
     pipelines_created: AtomicUsize,
     names: Option<ext::debug_utils::Device>,
-    candidate: Candidate,
+    candidate: DeviceCandidate,
     raw: ash::Device,
     instance: Arc<Instance>,
 }
@@ -85,7 +85,7 @@ impl Device {
         let instance = Instance::new(host, options.validation)?;
         host.attach(&instance)?;
         let (usable, refused) = candidates(&instance, host, &options.choice)?;
-        let device = first_that_works(usable, refused, Candidate::name, |candidate| {
+        let device = first_that_works(usable, refused, DeviceCandidate::name, |candidate| {
             Device::of(&instance, host, options, candidate)
         })?;
         tracing::info!("drawing with {}", device.device_name());
@@ -97,7 +97,7 @@ impl Device {
         instance: &Arc<Instance>,
         host: &mut dyn Host,
         options: &DeviceOptions,
-        candidate: Candidate,
+        candidate: DeviceCandidate,
     ) -> Result<Device> {
         let extensions: Vec<_> = candidate.extensions.iter().map(|e| e.as_ptr()).collect();
         let queues = [vk::DeviceQueueCreateInfo::default()
@@ -123,7 +123,7 @@ impl Device {
         let mut device = Device {
             allocator: None,
             retired: Mutex::default(),
-            queue: Mutex::new(Queue { raw: queue, submitted: 0 }),
+            queue: Mutex::new(DeviceQueue { raw: queue, submitted: 0 }),
             timeline: vk::Semaphore::null(),
             pipelines: None,
             pipelines_created: AtomicUsize::new(0),
@@ -363,7 +363,7 @@ impl Device {
         self.lock_retired().recording_ended(submitted);
     }
 
-    fn lock_queue(&self) -> MutexGuard<'_, Queue> {
+    fn lock_queue(&self) -> MutexGuard<'_, DeviceQueue> {
         self.queue.lock().unwrap_or_else(PoisonError::into_inner)
     }
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use ash::vk;
 use glam::UVec2;
 
-use super::{Device, Image, ImageInfo, Piece, Recorder, Result, Use};
+use super::{BufferRange, Device, Image, ImageInfo, Recorder, ResourceUse, Result};
 
 /// Upper left corner and size of a rectangle, in pixels.
 pub type CornerAndSize = ([u32; 2], [u32; 2]);
@@ -14,7 +14,7 @@ pub type CornerAndSize = ([u32; 2], [u32; 2]);
 /// An image with one layer per eye.
 pub struct EyeImage {
     image: Image,
-    uses: Vec<Use>,
+    uses: Vec<ResourceUse>,
 }
 
 impl EyeImage {
@@ -28,7 +28,7 @@ impl EyeImage {
     ) -> Result<EyeImage> {
         let plane = ImageInfo::plane(name, size.to_array(), format, usage);
         let image = Image::new(device, &ImageInfo { layers: eyes, ..plane })?;
-        Ok(EyeImage { image, uses: vec![Use::NOTHING; eyes as usize] })
+        Ok(EyeImage { image, uses: vec![ResourceUse::NOTHING; eyes as usize] })
     }
 
     pub fn image(&self) -> &Image {
@@ -46,7 +46,7 @@ impl EyeImage {
     }
 
     /// Transitions the layer of `eye` to another use. It keeps its contents.
-    pub fn transition(&mut self, recorder: &mut Recorder, eye: u32, to: Use) {
+    pub fn transition(&mut self, recorder: &mut Recorder, eye: u32, to: ResourceUse) {
         let from = std::mem::replace(&mut self.uses[eye as usize], to);
         if from != to {
             recorder.image_barrier(self.image.layer(eye), from, to);
@@ -54,7 +54,7 @@ impl EyeImage {
     }
 
     /// Transitions the layer of `eye` to a use that overwrites it. Its contents are discarded.
-    pub fn begin_overwrite(&mut self, recorder: &mut Recorder, eye: u32, to: Use) {
+    pub fn begin_overwrite(&mut self, recorder: &mut Recorder, eye: u32, to: ResourceUse) {
         let from = std::mem::replace(&mut self.uses[eye as usize], to);
         recorder.image_barrier(self.image.layer(eye), from.discarded(), to);
     }
@@ -65,7 +65,7 @@ impl EyeImage {
         recorder: &mut Recorder,
         eye: u32,
         area: CornerAndSize,
-        to: Use,
+        to: ResourceUse,
     ) {
         let [width, height, _] = self.image.size();
         if area == ([0, 0], [width, height]) {
@@ -82,10 +82,10 @@ impl EyeImage {
         &mut self,
         recorder: &mut Recorder,
         eye: u32,
-        piece: Piece,
+        piece: BufferRange,
         rows: Range<u32>,
     ) {
-        self.begin_overwrite(recorder, eye, Use::COPY_TARGET);
+        self.begin_overwrite(recorder, eye, ResourceUse::COPY_TARGET);
         self.copy_rows(recorder, eye, piece, rows);
     }
 
@@ -94,12 +94,12 @@ impl EyeImage {
         &mut self,
         recorder: &mut Recorder,
         eye: u32,
-        piece: Piece,
+        piece: BufferRange,
         rows: Range<u32>,
     ) {
         let [width, ..] = self.image.size();
         let area = ([0, rows.start], [width, rows.len() as u32]);
-        self.begin_overwrite_area(recorder, eye, area, Use::COPY_TARGET);
+        self.begin_overwrite_area(recorder, eye, area, ResourceUse::COPY_TARGET);
         self.copy_rows(recorder, eye, piece, rows);
     }
 
@@ -108,10 +108,10 @@ impl EyeImage {
         &mut self,
         recorder: &mut Recorder,
         eye: u32,
-        piece: Piece,
+        piece: BufferRange,
         area: CornerAndSize,
     ) {
-        self.begin_overwrite_area(recorder, eye, area, Use::COPY_TARGET);
+        self.begin_overwrite_area(recorder, eye, area, ResourceUse::COPY_TARGET);
         let ([x, y], [width, height]) = area;
         let part = self.image.layer(eye);
         let copy = vk::BufferImageCopy::default()
@@ -124,7 +124,13 @@ impl EyeImage {
         }
     }
 
-    fn copy_rows(&mut self, recorder: &mut Recorder, eye: u32, piece: Piece, rows: Range<u32>) {
+    fn copy_rows(
+        &mut self,
+        recorder: &mut Recorder,
+        eye: u32,
+        piece: BufferRange,
+        rows: Range<u32>,
+    ) {
         let [width, ..] = self.image.size();
         let copy = vk::BufferImageCopy::default()
             .buffer_offset(piece.offset)
@@ -139,6 +145,6 @@ impl EyeImage {
         if !rows.is_empty() {
             recorder.copy_to_image(piece.buffer, self.image.layer(eye), &[copy]);
         }
-        self.transition(recorder, eye, Use::SHADER_READ);
+        self.transition(recorder, eye, ResourceUse::SHADER_READ);
     }
 }

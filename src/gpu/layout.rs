@@ -277,7 +277,7 @@ pub struct SliceInstance {
 }
 
 shared! {
-    /// Uniforms of the tracer of final pictures: [`crate::trace::Prepared`], and the grid.
+    /// Uniforms of the tracer of final pictures: [`crate::trace::PreparedTrace`], and the grid.
     TraceScene {
         /// Rows of the placement of the grid.
         world_from_grid: [[f32; 4]; 3],

@@ -25,17 +25,17 @@ pub struct Buffer {
 
 /// A range of a buffer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Piece {
+pub struct BufferRange {
     pub buffer: vk::Buffer,
     pub offset: u64,
     pub bytes: u64,
 }
 
-impl Piece {
+impl BufferRange {
     /// Returns both halves of the range.
-    pub fn halves(self) -> [Piece; 2] {
+    pub fn halves(self) -> [BufferRange; 2] {
         let bytes = self.bytes / 2;
-        [Piece { bytes, ..self }, Piece { offset: self.offset + bytes, bytes, ..self }]
+        [BufferRange { bytes, ..self }, BufferRange { offset: self.offset + bytes, bytes, ..self }]
     }
 }
 
@@ -79,8 +79,8 @@ impl Buffer {
     }
 
     /// Returns all of it.
-    pub fn whole(&self) -> Piece {
-        Piece { buffer: self.handle, offset: 0, bytes: self.bytes }
+    pub fn whole(&self) -> BufferRange {
+        BufferRange { buffer: self.handle, offset: 0, bytes: self.bytes }
     }
 
     /// Returns the mapped bytes; empty for a buffer that the CPU cannot access.

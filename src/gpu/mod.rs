@@ -56,14 +56,16 @@ mod upload;
 mod validation;
 
 pub use choice::{DeviceChoice, survey};
-pub use commands::{Attachment, FRAMES_IN_FLIGHT, Frames, Load, Pool, Recorder, Use, run_once};
+pub use commands::{
+    Attachment, FRAMES_IN_FLIGHT, Frames, Load, Pool, Recorder, ResourceUse, run_once,
+};
 pub use descriptors::{Binding, DescriptorSets, SetLayout, TextureSampler};
 pub use device::{Device, DeviceOptions, MAX_SEMAPHORES, Serial};
 pub use error::{During, GpuError, Result};
 pub use eye_image::{CornerAndSize, EyeImage};
 pub use host::{Headless, WindowHost, WindowSurface};
 pub use instance::{Host, Instance, Validation};
-pub use memory::{Buffer, Image, ImageInfo, ImagePart, MemoryLocation, Piece};
+pub use memory::{Buffer, BufferRange, Image, ImageInfo, ImagePart, MemoryLocation};
 pub use options::GpuOptions;
 pub use pipeline::{
     Attribute, Blend, Depth, Graphics, MAX_PUSH_BYTES, Pipeline, PipelineLayout, Vertices,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::commands::{FRAMES_IN_FLIGHT, Recorder, Use};
+use super::commands::{FRAMES_IN_FLIGHT, Recorder, ResourceUse};
 use super::device::{Device, Serial};
 use super::error::{GpuError, Result};
 use super::memory::{Buffer, ImagePart, MemoryLocation};
@@ -13,7 +13,7 @@ use super::memory::{Buffer, ImagePart, MemoryLocation};
 /// Pictures being copied to the CPU, one per slot.
 pub struct Readback {
     name: String,
-    slots: Vec<Slot>,
+    slots: Vec<ReadbackSlot>,
     device: Arc<Device>,
 }
 
@@ -27,7 +27,7 @@ pub struct TexelRows {
 }
 
 #[derive(Default)]
-struct Slot {
+struct ReadbackSlot {
     buffer: Option<Buffer>,
     /// Size of the picture recorded last.
     bytes: u64,
@@ -37,12 +37,12 @@ struct Slot {
 impl Readback {
     /// Creates one without buffers, which are allocated when first needed.
     pub fn new(device: &Arc<Device>, name: &str) -> Readback {
-        let slots = (0..FRAMES_IN_FLIGHT).map(|_| Slot::default()).collect();
+        let slots = (0..FRAMES_IN_FLIGHT).map(|_| ReadbackSlot::default()).collect();
         Readback { name: name.to_string(), slots, device: device.clone() }
     }
 
     /// Records the copy of one layer, `size` texels of `texel_bytes`, in the layout of
-    /// [`Use::COPY_SOURCE`], to `slot`.
+    /// [`ResourceUse::COPY_SOURCE`], to `slot`.
     pub fn record(
         &mut self,
         recorder: &mut Recorder,
@@ -95,7 +95,7 @@ impl Readback {
             .image_offset(vk::Offset3D { x, y, z })
             .image_extent(vk::Extent3D { width: size[0], height: size[1], depth: size[2] });
         recorder.copy_from_image(part, buffer.handle(), &[copy]);
-        recorder.buffer_barrier(Use::COPY_TARGET, Use::HOST_READ);
+        recorder.buffer_barrier(ResourceUse::COPY_TARGET, ResourceUse::HOST_READ);
         Ok(())
     }
 
@@ -122,13 +122,13 @@ pub fn read_image_once(
     part: ImagePart,
     size: [u32; 3],
     texel_bytes: u64,
-    from: Use,
+    from: ResourceUse,
 ) -> Result<Vec<u8>> {
     let mut readback = Readback::new(device, "read once");
     super::commands::run_once(device, |recorder| {
-        recorder.image_barrier(part, from, Use::COPY_SOURCE);
+        recorder.image_barrier(part, from, ResourceUse::COPY_SOURCE);
         readback.record(recorder, 0, part, size, texel_bytes)?;
-        recorder.image_barrier(part, Use::COPY_SOURCE, from);
+        recorder.image_barrier(part, ResourceUse::COPY_SOURCE, from);
         Ok(())
     })?;
     readback.wait(0).map(<[u8]>::to_vec)

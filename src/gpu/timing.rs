@@ -17,7 +17,7 @@ const MAX_PARTS: usize = 32;
 
 /// Measures `PARTS` parts of the recorded frames, each at most once a frame.
 pub struct Timer<const PARTS: usize> {
-    slots: Vec<Slot>,
+    slots: Vec<TimingSlot>,
     /// The slot of the current frame.
     slot: usize,
     ms_per_tick: f64,
@@ -26,7 +26,7 @@ pub struct Timer<const PARTS: usize> {
     device: Arc<Device>,
 }
 
-struct Slot {
+struct TimingSlot {
     pool: QueryPool,
     /// A bit for each part of the slot's last frame that was recorded completely.
     recorded: u32,
@@ -41,7 +41,7 @@ impl<const PARTS: usize> Timer<PARTS> {
             return Ok(None);
         }
         let slots = (0..FRAMES_IN_FLIGHT)
-            .map(|_| Ok(Slot { pool: QueryPool::new(device, name, PARTS)?, recorded: 0 }))
+            .map(|_| Ok(TimingSlot { pool: QueryPool::new(device, name, PARTS)?, recorded: 0 }))
             .collect::<Result<Vec<_>>>()?;
         // An abandoned frame leaves its queries as they were, so they must have a value.
         run_once(device, |recorder| {

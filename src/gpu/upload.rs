@@ -9,7 +9,7 @@ use bytemuck::Pod;
 use super::commands::FRAMES_IN_FLIGHT;
 use super::device::Device;
 use super::error::{GpuError, Result};
-use super::memory::{Buffer, MemoryLocation, Piece};
+use super::memory::{Buffer, BufferRange, MemoryLocation};
 
 /// Blocks that the CPU writes and the device reads, one per frame slot.
 pub struct Staging {
@@ -43,13 +43,18 @@ impl Staging {
     }
 
     /// Copies `data` to the block, at a multiple of `align` bytes (a power of two).
-    pub fn push<T: Pod>(&mut self, data: &[T], align: u64) -> Result<Piece> {
+    pub fn push<T: Pod>(&mut self, data: &[T], align: u64) -> Result<BufferRange> {
         let bytes: &[u8] = bytemuck::cast_slice(data);
         self.fill(bytes.len() as u64, align, |target| target.copy_from_slice(bytes))
     }
 
     /// Lets `write` fill `bytes` of the block, at a multiple of `align` bytes (a power of two).
-    pub fn fill(&mut self, bytes: u64, align: u64, write: impl FnOnce(&mut [u8])) -> Result<Piece> {
+    pub fn fill(
+        &mut self,
+        bytes: u64,
+        align: u64,
+        write: impl FnOnce(&mut [u8]),
+    ) -> Result<BufferRange> {
         let mut offset = self.used.next_multiple_of(align);
         if offset + bytes > self.blocks[self.slot].bytes() {
             // Data pushed before stay in the old block, which retires after this frame.
@@ -68,6 +73,6 @@ impl Staging {
             .ok_or_else(|| GpuError::Host(format!("{} is not mapped", self.name)))?;
         write(target);
         self.used = offset + bytes;
-        Ok(Piece { buffer, offset, bytes })
+        Ok(BufferRange { buffer, offset, bytes })
     }
 }

@@ -17,7 +17,7 @@ use tracking::vrpn::DeviceAddress;
 use tracking::{BodyOptions, ChannelOptions, Placement, Smoothing};
 
 use crate::input::Action;
-use crate::input::action::Kind;
+use crate::input::action::TriggerKind;
 use crate::options::{self, InvalidOption, require, require_in};
 use crate::screen::headset::RoomOrigin;
 
@@ -260,9 +260,9 @@ fn check_bindings(
 ) -> Result<(), InvalidOption> {
     for (number, name) in table {
         let has_kind = match Action::named(name).map(|action| action.help().kind) {
-            Some(Kind::Tap | Kind::Hold) => true,
-            Some(Kind::Wheel) => wheel_allowed,
-            Some(Kind::Drag) | None => false,
+            Some(TriggerKind::Tap | TriggerKind::Hold) => true,
+            Some(TriggerKind::Wheel) => wheel_allowed,
+            Some(TriggerKind::Drag) | None => false,
         };
         let is_valid = has_kind && number.parse().is_ok_and(|number: u32| number < count);
         require(is_valid, key, format_args!("{{ {number} = \"{name}\" }}"), rule)?;

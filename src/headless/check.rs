@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::{Context, JobError};
 use crate::command::Command;
 use crate::format::options::ImportOptions;
-use crate::print_check::{self, CheckOptions, Checked, Finding, Place};
+use crate::print_check::{self, CheckOptions, Checked, FaultLocation, Finding};
 use crate::terminal;
 
 /// Places of each kind that are printed as text; JSON has more.
@@ -49,7 +49,7 @@ fn text_of(checked: &Checked, options: &CheckOptions) -> String {
         let Finding { kind, count, voxels, places, repairs, .. } = finding;
         lines.push(format!("{}: {count} ({voxels} voxels)", kind.name()));
         for place in places.iter().take(PRINTED) {
-            let Place { voxels, bounds } = place;
+            let FaultLocation { voxels, bounds } = place;
             let size = (bounds.max - bounds.min).as_vec3() * *voxel_mm;
             let at = bounds.min.to_array().map(|v| v.to_string()).join(",");
             lines.push(format!("  at {at}: {} mm, {voxels} voxels", of(size)));

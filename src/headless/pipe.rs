@@ -1,9 +1,9 @@
 //! `run -`: commands from standard input, each answered by one line of JSON on standard output, so that another program
 //! can drive this one through a pipe.
 //!
-//! Takes a session and lines of the script language; gives one [`Answer`] per line, including empty lines and comments.
-//! A failed command changes nothing, and the next one is read; an overlong line is refused likewise. Does not know the
-//! driver.
+//! Takes a session and lines of the script language; gives one [`PipeAnswer`] per line, including empty lines and
+//! comments. A failed command changes nothing, and the next one is read; an overlong line is refused likewise. Does not
+//! know the driver.
 
 use std::io::{BufRead, Read};
 use std::path::Path;
@@ -25,7 +25,7 @@ const LONGEST_LINE: u64 = 64 << 20;
 
 /// The answer to a line.
 #[derive(Debug, Serialize)]
-struct Answer<'a> {
+struct PipeAnswer<'a> {
     /// The line of standard input, counted from 1.
     line: usize,
     ok: bool,
@@ -92,7 +92,7 @@ fn answer_lines(
         };
         refused += usize::from(error.is_some());
         let grid = session.document().grid();
-        let said = Answer {
+        let said = PipeAnswer {
             line,
             ok: error.is_none(),
             error,
@@ -106,7 +106,7 @@ fn answer_lines(
         session.wait_for_journal();
         // Only paths that are not Unicode cannot be represented in JSON.
         let said = serde_json::to_string(&said)
-            .or_else(|_| serde_json::to_string(&Answer { file: None, ..said }))
+            .or_else(|_| serde_json::to_string(&PipeAnswer { file: None, ..said }))
             .map_err(|error| JobError::Input(error.into()))?;
         answer(&said).map_err(|error| match error {
             OutputError::ReaderGone => JobError::Unheard(line),

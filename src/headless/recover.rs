@@ -53,7 +53,10 @@ pub fn recover(job: &RecoverJob, context: &Context) -> Result<(), JobError> {
     Ok(())
 }
 
-fn open(journal_dir: &JournalDir, number: u64) -> Result<crate::persist::files::Source, JobError> {
+fn open(
+    journal_dir: &JournalDir,
+    number: u64,
+) -> Result<crate::persist::files::InputFile, JobError> {
     match journal_dir.open(number) {
         AbandonedJournal::Journal(source) => Ok(source),
         AbandonedJournal::InUse => Err(JobError::JournalInUse(number)),

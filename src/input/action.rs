@@ -14,7 +14,7 @@ use crate::tools::solid::Solid;
 
 /// A direction on the screen.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Step {
+pub enum ScreenDirection {
     Left,
     Right,
     Up,
@@ -23,9 +23,15 @@ pub enum Step {
     Farther,
 }
 
-impl Step {
-    pub const ALL: [Step; 6] =
-        [Step::Left, Step::Right, Step::Up, Step::Down, Step::Nearer, Step::Farther];
+impl ScreenDirection {
+    pub const ALL: [ScreenDirection; 6] = [
+        ScreenDirection::Left,
+        ScreenDirection::Right,
+        ScreenDirection::Up,
+        ScreenDirection::Down,
+        ScreenDirection::Nearer,
+        ScreenDirection::Farther,
+    ];
 }
 
 /// An axis of the grid.
@@ -77,7 +83,7 @@ impl Side {
 
 /// The kind of trigger of an action.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Kind {
+pub enum TriggerKind {
     /// Once, by a key or a button of the interface.
     Tap,
     /// From press to release, by a key or by mouse buttons on top of a running drag.
@@ -93,7 +99,7 @@ pub enum Kind {
 pub struct ActionSpec {
     /// The name in key tables.
     pub name: &'static str,
-    pub kind: Kind,
+    pub kind: TriggerKind,
     /// The heading under which the controls window lists it.
     pub group: Group,
     /// A sentence without full stop, for tooltips and the controls window.
@@ -166,7 +172,7 @@ macro_rules! actions {
                     $( $(
                         Action::$variant $(($value))? => ActionSpec {
                             name: $name,
-                            kind: Kind::$kind,
+                            kind: TriggerKind::$kind,
                             group: Group::$group,
                             text: $text,
                             synonyms: $synonyms,
@@ -231,22 +237,22 @@ actions! {
     /// Lets the pointer set its strength likewise.
     LeadStrength { "lead-strength" Tap Pose "Strength by the pointer: further right is stronger; click to keep it" "intensity opacity brush interactive"; }
     /// Moves the tool by one voxel.
-    Nudge(Step) {
-        Step::Left => "nudge-left" Tap Pose "Move the tool one voxel left" "shift nudge", Repeats;
-        Step::Right => "nudge-right" Tap Pose "Move the tool one voxel right" "shift nudge", Repeats;
-        Step::Up => "nudge-up" Tap Pose "Move the tool one voxel up" "shift nudge", Repeats;
-        Step::Down => "nudge-down" Tap Pose "Move the tool one voxel down" "shift nudge", Repeats;
-        Step::Nearer => "nudge-nearer" Tap Pose "Move the tool one voxel towards you" "shift nudge", Repeats;
-        Step::Farther => "nudge-farther" Tap Pose "Move the tool one voxel away from you" "shift nudge", Repeats;
+    Nudge(ScreenDirection) {
+        ScreenDirection::Left => "nudge-left" Tap Pose "Move the tool one voxel left" "shift nudge", Repeats;
+        ScreenDirection::Right => "nudge-right" Tap Pose "Move the tool one voxel right" "shift nudge", Repeats;
+        ScreenDirection::Up => "nudge-up" Tap Pose "Move the tool one voxel up" "shift nudge", Repeats;
+        ScreenDirection::Down => "nudge-down" Tap Pose "Move the tool one voxel down" "shift nudge", Repeats;
+        ScreenDirection::Nearer => "nudge-nearer" Tap Pose "Move the tool one voxel towards you" "shift nudge", Repeats;
+        ScreenDirection::Farther => "nudge-farther" Tap Pose "Move the tool one voxel away from you" "shift nudge", Repeats;
     }
     /// Makes the tool one voxel longer on that side.
-    Stretch(Step) {
-        Step::Left => "stretch-left" Tap Pose "Extend the tool by one voxel on the left" "stretch lengthen longer resize", Repeats;
-        Step::Right => "stretch-right" Tap Pose "Extend the tool by one voxel on the right" "stretch lengthen longer resize", Repeats;
-        Step::Up => "stretch-up" Tap Pose "Extend the tool by one voxel upwards" "stretch lengthen longer resize", Repeats;
-        Step::Down => "stretch-down" Tap Pose "Extend the tool by one voxel downwards" "stretch lengthen longer resize", Repeats;
-        Step::Nearer => "stretch-nearer" Tap Pose "Extend the tool by one voxel towards you" "stretch lengthen longer resize", Repeats;
-        Step::Farther => "stretch-farther" Tap Pose "Extend the tool by one voxel away from you" "stretch lengthen longer resize", Repeats;
+    Stretch(ScreenDirection) {
+        ScreenDirection::Left => "stretch-left" Tap Pose "Extend the tool by one voxel on the left" "stretch lengthen longer resize", Repeats;
+        ScreenDirection::Right => "stretch-right" Tap Pose "Extend the tool by one voxel on the right" "stretch lengthen longer resize", Repeats;
+        ScreenDirection::Up => "stretch-up" Tap Pose "Extend the tool by one voxel upwards" "stretch lengthen longer resize", Repeats;
+        ScreenDirection::Down => "stretch-down" Tap Pose "Extend the tool by one voxel downwards" "stretch lengthen longer resize", Repeats;
+        ScreenDirection::Nearer => "stretch-nearer" Tap Pose "Extend the tool by one voxel towards you" "stretch lengthen longer resize", Repeats;
+        ScreenDirection::Farther => "stretch-farther" Tap Pose "Extend the tool by one voxel away from you" "stretch lengthen longer resize", Repeats;
     }
     /// Aligns the tool's axes with the grid's.
     AlignTool { "align-tool" Tap Pose "Reset the tool's rotation" "upright straighten align"; }
@@ -294,13 +300,13 @@ actions! {
         Axis::Z => "mirror-copy-z" Tap Areas "Mirror the clipboard along z" "flip reflect copy";
     }
     /// Moves the contents of the marker by one voxel.
-    MoveContents(Step) {
-        Step::Left => "move-left" Tap Areas "Move the marker's contents one voxel left" "shift nudge translate", Repeats;
-        Step::Right => "move-right" Tap Areas "Move the marker's contents one voxel right" "shift nudge translate", Repeats;
-        Step::Up => "move-up" Tap Areas "Move the marker's contents one voxel up" "shift nudge translate", Repeats;
-        Step::Down => "move-down" Tap Areas "Move the marker's contents one voxel down" "shift nudge translate", Repeats;
-        Step::Nearer => "move-nearer" Tap Areas "Move the marker's contents one voxel towards you" "shift nudge translate", Repeats;
-        Step::Farther => "move-farther" Tap Areas "Move the marker's contents one voxel away from you" "shift nudge translate", Repeats;
+    MoveContents(ScreenDirection) {
+        ScreenDirection::Left => "move-left" Tap Areas "Move the marker's contents one voxel left" "shift nudge translate", Repeats;
+        ScreenDirection::Right => "move-right" Tap Areas "Move the marker's contents one voxel right" "shift nudge translate", Repeats;
+        ScreenDirection::Up => "move-up" Tap Areas "Move the marker's contents one voxel up" "shift nudge translate", Repeats;
+        ScreenDirection::Down => "move-down" Tap Areas "Move the marker's contents one voxel down" "shift nudge translate", Repeats;
+        ScreenDirection::Nearer => "move-nearer" Tap Areas "Move the marker's contents one voxel towards you" "shift nudge translate", Repeats;
+        ScreenDirection::Farther => "move-farther" Tap Areas "Move the marker's contents one voxel away from you" "shift nudge translate", Repeats;
     }
     Undo { "undo" Tap History "Undo the last step" "back revert", Repeats; }
     Redo { "redo" Tap History "Redo the last undone step" "forward again", Repeats; }
@@ -404,7 +410,7 @@ actions! {
 
 /// Returns the description of the action that takes a tool in hand.
 const fn of_tool(name: &'static str, text: &'static str, synonyms: &'static str) -> ActionSpec {
-    ActionSpec { name, kind: Kind::Tap, group: Group::Tools, text, synonyms, flags: &[] }
+    ActionSpec { name, kind: TriggerKind::Tap, group: Group::Tools, text, synonyms, flags: &[] }
 }
 
 /// Makes the rows of the actions that take a tool in hand.

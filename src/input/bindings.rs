@@ -19,7 +19,7 @@ use egui::Key;
 use serde::Deserialize;
 use thiserror::Error;
 
-use super::action::{Action, Kind};
+use super::action::{Action, TriggerKind};
 use super::events::Modifiers;
 use super::trigger::Trigger;
 
@@ -68,7 +68,7 @@ pub struct Bindings {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Raw {
+struct BindingsFile {
     name: Option<String>,
     text: Option<String>,
     extends: Option<String>,
@@ -84,7 +84,8 @@ impl Bindings {
 
     /// Reads a table.
     pub fn parse(toml: &str) -> Result<Bindings, BindingsError> {
-        let raw: Raw = toml::from_str(toml).map_err(|e| BindingsError::Toml(e.to_string()))?;
+        let raw: BindingsFile =
+            toml::from_str(toml).map_err(|e| BindingsError::Toml(e.to_string()))?;
         let base = match &raw.extends {
             None => Bindings {
                 name: raw.name.clone().ok_or(BindingsError::Unnamed("name"))?,
@@ -178,24 +179,26 @@ pub(super) fn sort(table: &mut [(Trigger, Action)]) {
 }
 
 /// Checks that a trigger fits an action of that kind. An error names the requirement.
-pub(super) fn check_kind(kind: Kind, trigger: Trigger) -> Result<(), &'static str> {
+pub(super) fn check_kind(kind: TriggerKind, trigger: Trigger) -> Result<(), &'static str> {
     match (kind, trigger) {
-        (Kind::Tap | Kind::Hold, Trigger::Key { .. } | Trigger::Pad { .. })
-        | (Kind::Tap, Trigger::ShiftTap)
-        | (Kind::Drag, Trigger::Mouse { .. })
-        | (Kind::Wheel, Trigger::Wheel { .. }) => Ok(()),
+        (TriggerKind::Tap | TriggerKind::Hold, Trigger::Key { .. } | Trigger::Pad { .. })
+        | (TriggerKind::Tap, Trigger::ShiftTap)
+        | (TriggerKind::Drag, Trigger::Mouse { .. })
+        | (TriggerKind::Wheel, Trigger::Wheel { .. }) => Ok(()),
         // Pen buttons may do this for people without a free hand for keys.
-        (Kind::Tap | Kind::Hold, Trigger::Mouse { buttons, .. }) if buttons.is_on_barrel() => {
+        (TriggerKind::Tap | TriggerKind::Hold, Trigger::Mouse { buttons, .. })
+            if buttons.is_on_barrel() =>
+        {
             Ok(())
         }
         // A single button starts a drag; two together can hold something during it.
-        (Kind::Hold, Trigger::Mouse { buttons, .. }) if buttons.count() >= 2 => Ok(()),
-        (Kind::Tap, _) => Err("a key, a gamepad button or a button of a pen"),
-        (Kind::Hold, _) => {
+        (TriggerKind::Hold, Trigger::Mouse { buttons, .. }) if buttons.count() >= 2 => Ok(()),
+        (TriggerKind::Tap, _) => Err("a key, a gamepad button or a button of a pen"),
+        (TriggerKind::Hold, _) => {
             Err("a key, a gamepad button, a button of a pen, or several mouse buttons together")
         }
-        (Kind::Drag, _) => Err("buttons of mouse or pen"),
-        (Kind::Wheel, _) => Err("the mouse wheel"),
+        (TriggerKind::Drag, _) => Err("buttons of mouse or pen"),
+        (TriggerKind::Wheel, _) => Err("the mouse wheel"),
     }
 }
 
@@ -220,7 +223,7 @@ mod tests {
                 let has_key = preset
                     .triggers(action)
                     .any(|trigger| matches!(trigger, Trigger::Key { .. } | Trigger::ShiftTap));
-                assert!(has_key || action.help().kind != Kind::Tap, "{name}: {action:?}");
+                assert!(has_key || action.help().kind != TriggerKind::Tap, "{name}: {action:?}");
             }
             for action in [Action::TurnSculpture, Action::PanSculpture, Action::Zoom] {
                 assert!(preset.triggers(action).next().is_some(), "{name}: {action:?}");

@@ -7,7 +7,7 @@
 use egui::Key;
 use glam::Vec2;
 
-use super::action::{Action, Kind};
+use super::action::{Action, TriggerKind};
 use super::bindings::Bindings;
 use super::button::Buttons;
 use super::events::{DeviceEvent, Modifiers};
@@ -160,15 +160,15 @@ impl Mapper {
         let trigger = Trigger::Mouse { buttons: self.buttons, modifiers };
         let Some(action) = bindings.action(trigger) else { return };
         match action.help().kind {
-            Kind::Drag if self.drag.is_none() => {
+            TriggerKind::Drag if self.drag.is_none() => {
                 self.drag = Some(Drag { buttons: self.buttons, modifiers, action, at });
                 actions.push(ActionEvent::Begin { action, at: Some(at) });
             }
-            Kind::Hold if self.chord.is_none() => {
+            TriggerKind::Hold if self.chord.is_none() => {
                 self.chord = Some((self.buttons, action));
                 actions.push(ActionEvent::Begin { action, at: Some(at) });
             }
-            Kind::Tap => actions.push(ActionEvent::Tap(action)),
+            TriggerKind::Tap => actions.push(ActionEvent::Tap(action)),
             _ => {}
         }
     }
@@ -192,7 +192,7 @@ impl Mapper {
     ) {
         let Some(action) = action else { return };
         let held = self.keys.iter().any(|(k, _)| *k == key);
-        if action.help().kind == Kind::Hold {
+        if action.help().kind == TriggerKind::Hold {
             if !held && !repeat {
                 self.keys.push((key, action));
                 actions.push(ActionEvent::Begin { action, at: self.at });
@@ -205,7 +205,7 @@ impl Mapper {
 
 /// Returns whether a running drag may change to `next`.
 fn is_glide(next: Action, now: Action) -> bool {
-    next != now && next.help().kind == Kind::Drag && !next.is_stroke()
+    next != now && next.help().kind == TriggerKind::Drag && !next.is_stroke()
 }
 
 #[cfg(test)]

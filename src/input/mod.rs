@@ -21,7 +21,7 @@ pub mod remap;
 pub mod tool_mode;
 pub mod trigger;
 
-pub use action::{Action, Axis, Side, Step};
+pub use action::{Action, Axis, ScreenDirection, Side};
 pub use bindings::Bindings;
 pub use button::{Button, Buttons};
 pub use draw_kind::DrawKind;

@@ -35,7 +35,7 @@ pub struct Personal {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Raw {
+struct PersonalFile {
     extends: String,
     #[serde(default)]
     bindings: BindingLines,
@@ -46,7 +46,8 @@ struct Raw {
 impl Personal {
     /// Applies the user's changes in a text to `presets`.
     pub fn parse(toml: &str, presets: &[Bindings]) -> Result<Personal, BindingsError> {
-        let raw: Raw = toml::from_str(toml).map_err(|e| BindingsError::Toml(e.to_string()))?;
+        let raw: PersonalFile =
+            toml::from_str(toml).map_err(|e| BindingsError::Toml(e.to_string()))?;
         let find = |name: &str| {
             let found = presets.iter().position(|preset| preset.name == name);
             found.ok_or_else(|| BindingsError::UnknownTable(name.to_string()))

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Mat4, UVec3, Vec2, Vec3, Vec4Swizzles};
 
-use crate::input::Step;
+use crate::input::ScreenDirection;
 use crate::sculpture::Grid;
 use crate::surface::{IndexMap, raycast};
 use crate::view::{Eye, PixelRays};
@@ -122,14 +122,14 @@ pub struct ScreenAxes {
 
 impl ScreenAxes {
     /// Returns the axis and sense of a step.
-    pub fn step(&self, step: Step) -> Vec3 {
+    pub fn step(&self, step: ScreenDirection) -> Vec3 {
         match step {
-            Step::Left => -self.right,
-            Step::Right => self.right,
-            Step::Up => self.up,
-            Step::Down => -self.up,
-            Step::Nearer => self.near,
-            Step::Farther => -self.near,
+            ScreenDirection::Left => -self.right,
+            ScreenDirection::Right => self.right,
+            ScreenDirection::Up => self.up,
+            ScreenDirection::Down => -self.up,
+            ScreenDirection::Nearer => self.near,
+            ScreenDirection::Farther => -self.near,
         }
     }
 }

@@ -180,7 +180,7 @@ mod tests {
     use glam::{Affine3A, UVec2, Vec3};
 
     use super::*;
-    use crate::progress::Report;
+    use crate::progress::ProgressReport;
     use crate::sculpture::{ColourDepth, Material, Rgb};
     use crate::view::Camera;
 
@@ -239,7 +239,7 @@ mod tests {
     #[test]
     fn a_cancelled_picture_leaves_no_file() {
         let folder = tempfile::tempdir().unwrap();
-        let report = Report::default();
+        let report = ProgressReport::default();
         report.cancel();
         let path = folder.path().join("a.png");
         let result = write(&path, &options(4), &TraceOn::Cpu, &report);

@@ -13,7 +13,7 @@ use super::pixel_pass::{PixelArea, PixelPass, PixelShaders, PixelStage, PixelTar
 use crate::gpu::layout::MarchView;
 use crate::gpu::{
     DescriptorSets, Device, EyeImage, FRAMES_IN_FLIGHT, Image, Load, PipelineLayout, Recorder,
-    Result, SetLayout, Use, shaders,
+    ResourceUse, Result, SetLayout, shaders,
 };
 use crate::surface::PixelRect;
 use crate::view::PixelRays;
@@ -107,7 +107,7 @@ impl Beams {
         let area = PixelArea { scissor: all, visible: all, rest: Load::Forget };
         let target = PixelTarget { image: starts, eye, area };
         self.pass.record(recorder, self.sets.set(set), Some(&view), target);
-        starts.transition(recorder, eye, Use::SHADER_READ);
+        starts.transition(recorder, eye, ResourceUse::SHADER_READ);
         Ok(starts.image())
     }
 

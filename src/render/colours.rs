@@ -11,7 +11,7 @@ use std::sync::Arc;
 use ash::vk;
 
 use crate::gpu::{
-    Buffer, Device, GpuError, MemoryLocation, Recorder, Result, Staging, Use, run_once,
+    Buffer, Device, GpuError, MemoryLocation, Recorder, ResourceUse, Result, Staging, run_once,
 };
 use crate::sculpture::brick::BRICK_VOXELS;
 use crate::sculpture::{ColourDepth, Rgb};
@@ -28,22 +28,22 @@ const GAP_ENTRIES: u32 = 256;
 
 /// The values on which the pages of all bricks depend.
 #[derive(Clone, Copy, PartialEq, Eq)]
-struct Kind {
+struct PageInputs {
     depth: ColourDepth,
     base: Rgb,
     instead: Option<Rgb>,
     shows_mask: bool,
 }
 
-impl Kind {
-    fn of(shown: &ShownColours) -> Kind {
+impl PageInputs {
+    fn of(shown: &ShownColours) -> PageInputs {
         let (depth, base) = (shown.depth(), shown.base());
-        Kind { depth, base, instead: shown.instead, shows_mask: shown.mask.is_some() }
+        PageInputs { depth, base, instead: shown.instead, shows_mask: shown.mask.is_some() }
     }
 }
 
 /// The copy.
-pub struct Colours {
+pub struct DeviceColours {
     buffer: Buffer,
     /// The page of each brick, as in the buffer.
     table: Vec<u32>,
@@ -52,7 +52,7 @@ pub struct Colours {
     /// The number of pages ever allocated, and the capacity.
     used: u32,
     room: u32,
-    kind: Kind,
+    kind: PageInputs,
     staging: Staging,
     /// Reused allocations: bricks whose pages may have changed, bricks whose pages to upload, bricks whose entries to
     /// upload, copies.
@@ -63,14 +63,14 @@ pub struct Colours {
     device: Arc<Device>,
 }
 
-impl Colours {
+impl DeviceColours {
     /// Uploads all colours and waits for it.
-    pub fn new(device: &Arc<Device>, shown: &ShownColours) -> Result<Colours> {
+    pub fn new(device: &Arc<Device>, shown: &ShownColours) -> Result<DeviceColours> {
         let usage = vk::BufferUsageFlags::TRANSFER_SRC;
-        let (kind, bricks) = (Kind::of(shown), shown.grid.brick_count());
+        let (kind, bricks) = (PageInputs::of(shown), shown.grid.brick_count());
         let page_bytes = BRICK_VOXELS as usize * kind.depth.bytes();
         let (buffer, room) = make_buffer(device, bricks, shown.page_count(), page_bytes)?;
-        let mut made = Colours {
+        let mut made = DeviceColours {
             buffer,
             table: vec![0; bricks],
             free: Vec::new(),
@@ -97,11 +97,12 @@ impl Colours {
         shown: &ShownColours,
         changed: Option<&[u32]>,
     ) -> Result<()> {
-        let fits = shown.grid.brick_count() == self.table.len() && Kind::of(shown) == self.kind;
+        let fits =
+            shown.grid.brick_count() == self.table.len() && PageInputs::of(shown) == self.kind;
         match changed {
             Some(changed) if fits => self.upload_bricks(recorder, slot, shown, changed),
             _ => {
-                *self = Colours::new(&self.device, shown)?;
+                *self = DeviceColours::new(&self.device, shown)?;
                 Ok(())
             }
         }
@@ -152,9 +153,9 @@ impl Colours {
 
     fn copy_at_once(&self, chunk: &Buffer, copies: &[vk::BufferCopy]) -> Result<()> {
         run_once(&self.device, |recorder| {
-            recorder.buffer_barrier(Use::SHADER_READ, Use::COPY_TARGET);
+            recorder.buffer_barrier(ResourceUse::SHADER_READ, ResourceUse::COPY_TARGET);
             recorder.copy_buffer(chunk.handle(), self.buffer.handle(), copies);
-            recorder.buffer_barrier(Use::COPY_TARGET, Use::SHADER_READ);
+            recorder.buffer_barrier(ResourceUse::COPY_TARGET, ResourceUse::SHADER_READ);
             Ok(())
         })
     }
@@ -248,7 +249,7 @@ impl Colours {
             return Ok(());
         }
         let bytes = self.page_bytes();
-        recorder.buffer_barrier(Use::SHADER_READ, Use::COPY_TARGET);
+        recorder.buffer_barrier(ResourceUse::SHADER_READ, ResourceUse::COPY_TARGET);
         if self.painted.len() * bytes <= CHUNK_BYTES {
             self.make_room(|copy| {
                 copy(recorder);
@@ -267,7 +268,7 @@ impl Colours {
             self.upload_pages_at_once(shown, &mut chunk)?;
         }
         self.upload_entries(recorder)?;
-        recorder.buffer_barrier(Use::COPY_TARGET, Use::SHADER_READ);
+        recorder.buffer_barrier(ResourceUse::COPY_TARGET, ResourceUse::SHADER_READ);
         Ok(())
     }
 
@@ -283,9 +284,9 @@ impl Colours {
             make_buffer(&self.device, self.table.len(), self.used as usize, self.page_bytes())?;
         let all = vk::BufferCopy { src_offset: 0, dst_offset: 0, size: self.buffer.bytes() };
         record(&|recorder| {
-            recorder.buffer_barrier(Use::COPY_TARGET, Use::COPY_SOURCE);
+            recorder.buffer_barrier(ResourceUse::COPY_TARGET, ResourceUse::COPY_SOURCE);
             recorder.copy_buffer(self.buffer.handle(), larger.handle(), &[all]);
-            recorder.buffer_barrier(Use::COPY_TARGET, Use::COPY_TARGET);
+            recorder.buffer_barrier(ResourceUse::COPY_TARGET, ResourceUse::COPY_TARGET);
         })?;
         // The device may still read the old buffer, which retires when it has finished.
         self.buffer = larger;

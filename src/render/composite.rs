@@ -11,7 +11,7 @@ use ash::vk;
 use glam::UVec2;
 
 use super::composite_eye::{CompositeEye, constants};
-use super::pending::Pending;
+use super::pending::PendingUpload;
 use super::screen_pass::{Input, ScreenPass};
 use super::target::IndexTarget;
 use crate::gpu::layout::CompositeView;
@@ -31,7 +31,7 @@ const PICTURE: u32 = 1;
 pub(super) struct ShadedPictures {
     pictures: Option<EyeImage>,
     uploaded: Vec<Range<u32>>,
-    pending: Vec<Pending>,
+    pending: Vec<PendingUpload>,
 }
 
 /// Draws sculptures to a target.
@@ -42,7 +42,7 @@ pub struct Composite {
     /// The rows of each eye's picture that are on the device.
     uploaded: Vec<Range<u32>>,
     /// The part of each eye's picture that was shaded after its last upload.
-    pending: Vec<Pending>,
+    pending: Vec<PendingUpload>,
     staging: Staging,
 }
 
@@ -65,7 +65,7 @@ impl Composite {
             pipeline,
             pictures: None,
             uploaded: vec![0..0; eyes as usize],
-            pending: vec![Pending::Nothing; eyes as usize],
+            pending: vec![PendingUpload::Nothing; eyes as usize],
             staging: Staging::new(
                 device,
                 "shaded pictures",
@@ -82,7 +82,7 @@ impl Composite {
     }
 
     /// Returns the pictures of all eyes, `size` pixels each, for a pass that shades on the device. Call before
-    /// rendering begins; that pass leaves them in the layout of [`crate::gpu::Use::SHADER_READ`].
+    /// rendering begins; that pass leaves them in the layout of [`crate::gpu::ResourceUse::SHADER_READ`].
     pub fn pictures(&mut self, size: UVec2) -> Result<&mut EyeImage> {
         if self.pictures.as_ref().is_some_and(|pictures| pictures.size() != size) {
             self.pictures = None;
@@ -106,7 +106,7 @@ impl Composite {
     /// Exchanges the pictures for others.
     pub(super) fn swap_pictures(&mut self, other: &mut ShadedPictures) {
         other.uploaded.resize(self.uploaded.len(), 0..0);
-        other.pending.resize(self.pending.len(), Pending::Nothing);
+        other.pending.resize(self.pending.len(), PendingUpload::Nothing);
         std::mem::swap(&mut self.pictures, &mut other.pictures);
         std::mem::swap(&mut self.uploaded, &mut other.uploaded);
         std::mem::swap(&mut self.pending, &mut other.pending);
@@ -127,9 +127,9 @@ impl Composite {
         visible: PixelRect,
     ) -> Result<()> {
         match std::mem::take(&mut self.pending[eye as usize]) {
-            Pending::Nothing => Ok(()),
-            Pending::Changed(rect) => self.upload(recorder, eye, pixels, visible, Some(rect)),
-            Pending::All => self.upload(recorder, eye, pixels, visible, None),
+            PendingUpload::Nothing => Ok(()),
+            PendingUpload::Changed(rect) => self.upload(recorder, eye, pixels, visible, Some(rect)),
+            PendingUpload::All => self.upload(recorder, eye, pixels, visible, None),
         }
     }
 

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use super::{Colours, MaskShown, RenderMode, Sampling, Volume};
+use super::{DeviceColours, MaskShown, RenderMode, Sampling, Volume};
 use crate::document::{ChangeSubscriber, Document};
 use crate::gpu::{Device, Frames, Recorder, Result, Timer};
 use crate::surface::slices::SliceAreas;
@@ -13,7 +13,7 @@ use crate::surface::slices::SliceAreas;
 pub(super) struct DeviceCopy {
     pub volume: Volume,
     /// Only while they are needed.
-    pub colours: Option<Colours>,
+    pub colours: Option<DeviceColours>,
     pub areas: Option<SliceAreas>,
     pub frames: Frames,
     /// Times of the sampling.
@@ -63,7 +63,7 @@ impl DeviceCopy {
             match &mut self.colours {
                 _ if !needs_colours => self.colours = None,
                 Some(colours) => colours.update(recorder, slot, &shown, changed)?,
-                none => *none = Some(Colours::new(&self.device, &shown)?),
+                none => *none = Some(DeviceColours::new(&self.device, &shown)?),
             }
             Ok(())
         })

@@ -9,13 +9,13 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::dilated_occupancy::DilatedOccupancy;
-use crate::gpu::{Device, Image, ImageInfo, Recorder, Result, Staging, Use, run_once};
+use crate::gpu::{Device, Image, ImageInfo, Recorder, ResourceUse, Result, Staging, run_once};
 use crate::sculpture::Grid;
 
 /// Bricks along the edge of a block.
 const BLOCK_BRICKS: u32 = 4;
 
-/// The copy, always in the layout of [`Use::SHADER_READ`].
+/// The copy, always in the layout of [`ResourceUse::SHADER_READ`].
 pub struct DilatedOccupancyImage {
     dilated: DilatedOccupancy,
     image: Image,
@@ -41,7 +41,7 @@ impl DilatedOccupancyImage {
         let staging = Staging::new(device, name, usage, bytes)?;
         let mut made = DilatedOccupancyImage { dilated, image, staging };
         let slabs = 0..made.dilated.dims().z;
-        run_once(device, |recorder| made.upload(recorder, slabs, Use::NOTHING))?;
+        run_once(device, |recorder| made.upload(recorder, slabs, ResourceUse::NOTHING))?;
         Ok(made)
     }
 
@@ -62,7 +62,7 @@ impl DilatedOccupancyImage {
         };
         let slabs = self.dilated.update(grid, slabs);
         self.staging.begin(slot);
-        self.upload(recorder, slabs, Use::SHADER_READ)
+        self.upload(recorder, slabs, ResourceUse::SHADER_READ)
     }
 
     /// Returns one texel per block of 4^3 bricks, from one block below the grid to one above it.
@@ -70,7 +70,12 @@ impl DilatedOccupancyImage {
         &self.image
     }
 
-    fn upload(&mut self, recorder: &mut Recorder, slabs: Range<u32>, before: Use) -> Result<()> {
+    fn upload(
+        &mut self,
+        recorder: &mut Recorder,
+        slabs: Range<u32>,
+        before: ResourceUse,
+    ) -> Result<()> {
         let [width, height, _] = self.image.size();
         let per_slab = (width * height) as usize;
         let words =
@@ -87,9 +92,9 @@ impl DilatedOccupancyImage {
             .image_offset(vk::Offset3D { x: 0, y: 0, z: slabs.start as i32 })
             .image_extent(vk::Extent3D { width, height, depth: slabs.len() as u32 });
         let part = self.image.whole();
-        recorder.image_barrier(part, before, Use::COPY_TARGET);
+        recorder.image_barrier(part, before, ResourceUse::COPY_TARGET);
         recorder.copy_to_image(piece.buffer, part, &[copy]);
-        recorder.image_barrier(part, Use::COPY_TARGET, Use::SHADER_READ);
+        recorder.image_barrier(part, ResourceUse::COPY_TARGET, ResourceUse::SHADER_READ);
         Ok(())
     }
 }

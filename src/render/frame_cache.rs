@@ -10,7 +10,7 @@ use glam::Affine3A;
 use super::frame_desc::FrameDesc;
 use super::normal_stage::NormalsChange;
 use super::overlay_pixels::PictureOfGrid;
-use super::overlay_scene::{Line, ToolPreview};
+use super::overlay_scene::{OverlayLine, ToolPreview};
 use super::{Background, MAX_EYES, MaskShown, VideoView};
 use super::{RenderMode, Shading};
 use crate::document::Document;
@@ -45,7 +45,7 @@ pub(super) struct FrameCache {
     smooth_edges: bool,
     video: Option<(Instant, VideoView)>,
     previews: Vec<ToolPreview>,
-    lines: Vec<Line>,
+    lines: Vec<OverlayLine>,
 }
 
 impl FrameCache {
@@ -219,7 +219,7 @@ mod tests {
         let mut document =
             Document::from_contents(Contents::new(grid, material), Limits::default());
         let eyes = [Camera::default().eye(UVec2::new(40, 30))];
-        let line = Line {
+        let line = OverlayLine {
             from: Vec3::ZERO,
             to: Vec3::ONE,
             colour: Rgb::default(),

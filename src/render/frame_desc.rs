@@ -2,7 +2,7 @@
 
 use glam::Affine3A;
 
-use super::overlay_scene::{Line, ToolPreview};
+use super::overlay_scene::{OverlayLine, ToolPreview};
 use super::{Background, LitSurface, RenderMode, Video};
 use crate::document::Document;
 use crate::sculpture::Rgb;
@@ -62,7 +62,7 @@ pub struct FrameDesc<'a> {
     pub video: Option<Video<'a>>,
     /// The tool previews.
     pub previews: &'a [ToolPreview],
-    pub lines: &'a [Line],
+    pub lines: &'a [OverlayLine],
 }
 
 impl<'a> FrameDesc<'a> {

@@ -2,7 +2,7 @@
 //! over the background. Nothing is read back, and there is no index map.
 //!
 //! Takes the bits on the device ([`Volume`]), the rays of an eye and the lights. The normals are those of the software
-//! shader; colours are the voxels' where they are on the device ([`super::Colours`]), else one for all.
+//! shader; colours are the voxels' where they are on the device ([`super::DeviceColours`]), else one for all.
 
 use std::sync::Arc;
 

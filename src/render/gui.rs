@@ -16,8 +16,8 @@ use egui_ash_renderer::{DynamicRendering, Options, RenderMode, Renderer, Rendere
 
 use super::composite_eye::is_srgb;
 use crate::gpu::{
-    DescriptorSets, Device, FRAMES_IN_FLIGHT, GpuError, Image, ImageInfo, Recorder, Result,
-    SetLayout, Staging, TextureSampler, Use,
+    DescriptorSets, Device, FRAMES_IN_FLIGHT, GpuError, Image, ImageInfo, Recorder, ResourceUse,
+    Result, SetLayout, Staging, TextureSampler,
 };
 
 /// The library's colours are sRGB.
@@ -49,7 +49,7 @@ struct Texture {
     /// A set of one descriptor that refers to the image.
     _set: DescriptorSets,
     /// The last use of the image.
-    used: Use,
+    used: ResourceUse,
 }
 
 /// Changes of textures that wait for the next picture. Those that still wait when a window closes are dropped with it;
@@ -209,10 +209,10 @@ impl Gui {
             .image_offset(vk::Offset3D { x: x as i32, y: y as i32, z: 0 })
             .image_extent(vk::Extent3D { width: size[0], height: size[1], depth: 1 });
         let part = texture.image.whole();
-        recorder.image_barrier(part, texture.used, Use::COPY_TARGET);
+        recorder.image_barrier(part, texture.used, ResourceUse::COPY_TARGET);
         recorder.copy_to_image(piece.buffer, part, &[copy]);
-        recorder.image_barrier(part, Use::COPY_TARGET, Use::SHADER_READ);
-        texture.used = Use::SHADER_READ;
+        recorder.image_barrier(part, ResourceUse::COPY_TARGET, ResourceUse::SHADER_READ);
+        texture.used = ResourceUse::SHADER_READ;
         Ok(())
     }
 
@@ -228,7 +228,7 @@ impl Gui {
         let set = DescriptorSets::new(&self.device, "texture of the interface", &self.layout, 1)?;
         set.write_texture(0, 0, image.view(), &self.sampler);
         let known = self.renderer.add_user_texture(set.set(0));
-        let made = Texture { id: known, image, _set: set, used: Use::NOTHING };
+        let made = Texture { id: known, image, _set: set, used: ResourceUse::NOTHING };
         if let Some(former) = self.textures.insert(id, made) {
             self.renderer.remove_user_texture(former.id);
         }

@@ -13,7 +13,7 @@ use super::composite_eye::is_srgb;
 use crate::gpu::layout::MeanView;
 use crate::gpu::{
     Attachment, Blend, DescriptorSets, Device, EyeImage, FRAMES_IN_FLIGHT, Graphics, Load,
-    Pipeline, PipelineLayout, Recorder, Result, SetLayout, Use, shaders,
+    Pipeline, PipelineLayout, Recorder, ResourceUse, Result, SetLayout, shaders,
 };
 
 /// A format to which every device can blend.
@@ -76,7 +76,7 @@ impl MeanPass {
     }
 
     /// Adds the layers of `pictures`, as the `count`-th picture; the first one replaces the former contents. Leaves
-    /// them in the layout of [`Use::SHADER_READ`]. Once per frame.
+    /// them in the layout of [`ResourceUse::SHADER_READ`]. Once per frame.
     pub fn add(
         &mut self,
         recorder: &mut Recorder,
@@ -102,39 +102,39 @@ impl MeanPass {
             }
         };
         for eye in 0..eyes {
-            pictures.transition(recorder, eye, Use::SHADER_READ);
+            pictures.transition(recorder, eye, ResourceUse::SHADER_READ);
             let set = set_index(self.slot, ADD, eye);
             name(&self.sets, &mut self.named, set, pictures, eye);
             let load = match count {
                 1 => {
-                    mean.begin_overwrite(recorder, eye, Use::COLOUR_TARGET);
+                    mean.begin_overwrite(recorder, eye, ResourceUse::COLOUR_TARGET);
                     Load::Colour([0.0; 4])
                 }
                 _ => {
-                    mean.transition(recorder, eye, Use::COLOUR_TARGET);
+                    mean.transition(recorder, eye, ResourceUse::COLOUR_TARGET);
                     Load::Keep
                 }
             };
             let weight = 1.0 / count as f32;
             let view = MeanView { weight, linear: self.linear.into() };
-            let target = Target { image: &*mean, eye, load };
+            let target = LayerTarget { image: &*mean, eye, load };
             draw(recorder, target, &self.add, self.sets.set(set), &view);
-            mean.transition(recorder, eye, Use::SHADER_READ);
+            mean.transition(recorder, eye, ResourceUse::SHADER_READ);
         }
         Ok(())
     }
 
     /// Draws the mean to the layers of `pictures`, which have its size. Leaves them in the layout of
-    /// [`Use::COLOUR_TARGET`]. Once per frame, after [`MeanPass::add`].
+    /// [`ResourceUse::COLOUR_TARGET`]. Once per frame, after [`MeanPass::add`].
     pub fn resolve(&mut self, recorder: &mut Recorder, pictures: &mut EyeImage) {
         let Some(mean) = &self.mean else { return };
         for eye in 0..mean.eyes() {
             let set = set_index(self.slot, RESOLVE, eye);
             name(&self.sets, &mut self.named, set, mean, eye);
-            pictures.begin_overwrite(recorder, eye, Use::COLOUR_TARGET);
+            pictures.begin_overwrite(recorder, eye, ResourceUse::COLOUR_TARGET);
             let view = MeanView { weight: 1.0, linear: self.linear.into() };
             let set = self.sets.set(set);
-            let target = Target { image: &*pictures, eye, load: Load::Forget };
+            let target = LayerTarget { image: &*pictures, eye, load: Load::Forget };
             draw(recorder, target, &self.resolve, set, &view);
         }
     }
@@ -154,7 +154,7 @@ fn name(sets: &DescriptorSets, named: &mut [u64], set: usize, image: &EyeImage, 
 }
 
 /// A layer to draw to, and the treatment of its contents.
-struct Target<'a> {
+struct LayerTarget<'a> {
     image: &'a EyeImage,
     eye: u32,
     load: Load,
@@ -163,12 +163,12 @@ struct Target<'a> {
 /// Draws all pixels of a layer.
 fn draw(
     recorder: &mut Recorder,
-    target: Target,
+    target: LayerTarget,
     pipeline: &Pipeline,
     set: vk::DescriptorSet,
     view: &MeanView,
 ) {
-    let Target { image, eye, load } = target;
+    let LayerTarget { image, eye, load } = target;
     let colour = Attachment { view: image.image().layer_view(eye), load, store: true };
     recorder.begin_rendering(image.size().to_array(), Some(colour), None);
     recorder.bind_pipeline(pipeline);

@@ -64,7 +64,7 @@ mod warm_up;
 
 pub use backdrop::{Backdrop, Video, VideoView};
 pub use beam::Beams;
-pub use colours::Colours;
+pub use colours::DeviceColours;
 pub use composite::Composite;
 pub use composite_eye::{Background, CompositeEye};
 pub use fallback::{Fallback, FrameReport};

@@ -11,7 +11,7 @@ use ash::vk;
 use glam::{DAffine3, Mat3, Mat4, Vec2, Vec3};
 
 use super::overlay_scene::grid_from_tool;
-pub use super::overlay_scene::{Line, OverlayDrawing, ToolPreview};
+pub use super::overlay_scene::{OverlayDrawing, OverlayLine, ToolPreview};
 use super::reference::References;
 use super::slicing::corner_margin_px;
 use super::solid_mesh::{Vertex, sagitta, triangles};

@@ -6,7 +6,7 @@ use std::iter;
 
 use glam::{Mat4, UVec2, Vec2, Vec3, Vec4};
 
-use super::overlay_scene::{Line, ToolPreview, grid_from_tool};
+use super::overlay_scene::{OverlayLine, ToolPreview, grid_from_tool};
 use crate::surface::{PixelRect, PixelRects};
 
 /// Margin around the bounding box of a shape's corners, for rounding.
@@ -27,8 +27,8 @@ impl PictureOfGrid {
     /// compared by their positions in the lists.
     pub fn add_changes(
         &self,
-        before: (&[ToolPreview], &[Line]),
-        now: (&[ToolPreview], &[Line]),
+        before: (&[ToolPreview], &[OverlayLine]),
+        now: (&[ToolPreview], &[OverlayLine]),
         rects: &mut PixelRects,
     ) {
         for preview in differing(before.0, now.0) {
@@ -51,7 +51,7 @@ impl PictureOfGrid {
         self.pixels_about(&corners, MARGIN_PX)
     }
 
-    fn pixels_of_line(&self, line: &Line) -> PixelRect {
+    fn pixels_of_line(&self, line: &OverlayLine) -> PixelRect {
         if line.opacity.iter().all(|&opacity| opacity <= 0.0) {
             return PixelRect::EMPTY;
         }
@@ -117,9 +117,9 @@ mod tests {
         PictureOfGrid { clip_from_grid, size: SIZE }
     }
 
-    fn line(from: Vec3, to: Vec3) -> Line {
+    fn line(from: Vec3, to: Vec3) -> OverlayLine {
         let colour = Rgb::new(1, 2, 3);
-        Line { from, to, colour, width_px: 4.0, opacity: [1.0, 0.0] }
+        OverlayLine { from, to, colour, width_px: 4.0, opacity: [1.0, 0.0] }
     }
 
     fn preview(centre_vx: Vec3) -> ToolPreview {
@@ -133,7 +133,10 @@ mod tests {
         ToolPreview { primitive, voxel_size: Vec3::ONE, colour, opacity: [0.4, 0.1] }
     }
 
-    fn changes(before: (&[ToolPreview], &[Line]), now: (&[ToolPreview], &[Line])) -> PixelRects {
+    fn changes(
+        before: (&[ToolPreview], &[OverlayLine]),
+        now: (&[ToolPreview], &[OverlayLine]),
+    ) -> PixelRects {
         let mut rects = PixelRects::NONE;
         picture().add_changes(before, now, &mut rects);
         rects

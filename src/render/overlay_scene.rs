@@ -18,7 +18,7 @@ const ON_PLANE_VX: f32 = 1e-3;
 
 /// A line in grid coordinates.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Line {
+pub struct OverlayLine {
     pub from: Vec3,
     pub to: Vec3,
     pub colour: Rgb,
@@ -60,7 +60,7 @@ pub struct OverlayDrawing<'a> {
     pub size: [u32; 2],
     /// The tools.
     pub previews: &'a [ToolPreview],
-    pub lines: &'a [Line],
+    pub lines: &'a [OverlayLine],
 }
 
 impl OverlayDrawing<'_> {

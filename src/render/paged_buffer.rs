@@ -10,7 +10,7 @@ use std::sync::Arc;
 use ash::vk;
 
 use crate::gpu::{
-    Buffer, Device, GpuError, MemoryLocation, Recorder, Result, Staging, Use, run_once,
+    Buffer, Device, GpuError, MemoryLocation, Recorder, ResourceUse, Result, Staging, run_once,
 };
 
 /// Most bytes in flight at once. Larger uploads are done in pieces, waiting for each.
@@ -84,7 +84,7 @@ impl PagedBuffer {
         if written.is_empty() && bricks.is_empty() {
             return Ok(());
         }
-        recorder.buffer_barrier(Use::SHADER_READ, Use::COPY_TARGET);
+        recorder.buffer_barrier(ResourceUse::SHADER_READ, ResourceUse::COPY_TARGET);
         self.upload_units(recorder, units, written)?;
         for near in bricks.chunk_by(|a, b| b - a <= GAP_ENTRIES) {
             let (first, last) = (near[0] as usize, near[near.len() - 1] as usize);
@@ -93,7 +93,7 @@ impl PagedBuffer {
             let copy = vk::BufferCopy { src_offset, dst_offset: 4 * first as u64, size };
             recorder.copy_buffer(piece.buffer, self.buffer.handle(), &[copy]);
         }
-        recorder.buffer_barrier(Use::COPY_TARGET, Use::SHADER_READ);
+        recorder.buffer_barrier(ResourceUse::COPY_TARGET, ResourceUse::SHADER_READ);
         Ok(())
     }
 
@@ -116,9 +116,9 @@ impl PagedBuffer {
             let dst_offset = offset + (i * CHUNK_BYTES) as u64;
             let copy = vk::BufferCopy { src_offset: 0, dst_offset, size: part.len() as u64 };
             run_once(&self.device, |recorder| {
-                recorder.buffer_barrier(Use::SHADER_READ, Use::COPY_TARGET);
+                recorder.buffer_barrier(ResourceUse::SHADER_READ, ResourceUse::COPY_TARGET);
                 recorder.copy_buffer(chunk.handle(), self.buffer.handle(), &[copy]);
-                recorder.buffer_barrier(Use::COPY_TARGET, Use::SHADER_READ);
+                recorder.buffer_barrier(ResourceUse::COPY_TARGET, ResourceUse::SHADER_READ);
                 Ok(())
             })?;
         }

@@ -4,7 +4,7 @@ use crate::surface::PixelRect;
 
 /// The part of a picture to upload.
 #[derive(Clone, Copy, Default)]
-pub(super) enum Pending {
+pub(super) enum PendingUpload {
     #[default]
     Nothing,
     /// The rows of these pixels; the others on the device are up to date.
@@ -12,15 +12,17 @@ pub(super) enum Pending {
     All,
 }
 
-impl Pending {
+impl PendingUpload {
     /// Returns the union with more changed pixels; `None`: all may have changed.
-    pub fn and(self, more: Option<PixelRect>) -> Pending {
-        let Some(more) = more else { return Pending::All };
+    pub fn and(self, more: Option<PixelRect>) -> PendingUpload {
+        let Some(more) = more else { return PendingUpload::All };
         match self {
-            Pending::Changed(rect) if more.is_empty() => Pending::Changed(rect),
-            Pending::Changed(rect) if !rect.is_empty() => Pending::Changed(rect.union(more)),
-            Pending::Nothing | Pending::Changed(_) => Pending::Changed(more),
-            Pending::All => Pending::All,
+            PendingUpload::Changed(rect) if more.is_empty() => PendingUpload::Changed(rect),
+            PendingUpload::Changed(rect) if !rect.is_empty() => {
+                PendingUpload::Changed(rect.union(more))
+            }
+            PendingUpload::Nothing | PendingUpload::Changed(_) => PendingUpload::Changed(more),
+            PendingUpload::All => PendingUpload::All,
         }
     }
 }

@@ -6,7 +6,7 @@ use ash::vk;
 use glam::UVec2;
 
 use super::Background;
-use crate::gpu::{Attachment, Device, EyeImage, Load, Recorder, Result, Use};
+use crate::gpu::{Attachment, Device, EyeImage, Load, Recorder, ResourceUse, Result};
 use crate::surface::PixelRect;
 use crate::view::Eye;
 
@@ -15,9 +15,9 @@ pub const DEPTH_FORMAT: vk::Format = vk::Format::D32_SFLOAT;
 
 /// Finished pictures, with a layer per eye.
 pub struct FinishedPictures {
-    /// In the layout of [`Use::COPY_SOURCE`].
+    /// In the layout of [`ResourceUse::COPY_SOURCE`].
     pub colour: EyeImage,
-    /// In the layout of [`Use::DEPTH_TARGET`], of [`DEPTH_FORMAT`].
+    /// In the layout of [`ResourceUse::DEPTH_TARGET`], of [`DEPTH_FORMAT`].
     pub depth: EyeImage,
 }
 
@@ -52,8 +52,8 @@ impl FinishedPictures {
     ) {
         let size = self.colour.size();
         let place = area.corner_and_size();
-        self.colour.begin_overwrite_area(recorder, eye, place, Use::COLOUR_TARGET);
-        self.depth.begin_overwrite_area(recorder, eye, place, Use::DEPTH_TARGET);
+        self.colour.begin_overwrite_area(recorder, eye, place, ResourceUse::COLOUR_TARGET);
+        self.depth.begin_overwrite_area(recorder, eye, place, ResourceUse::DEPTH_TARGET);
         let colours = match background {
             Background::Keep => Load::Colour([0.0; 4]),
             // The gradient covers every pixel.
@@ -70,8 +70,8 @@ impl FinishedPictures {
 
     /// Starts drawing over the contents of `area` of the picture of `eye`.
     pub(super) fn begin_over(&mut self, recorder: &mut Recorder, eye: u32, area: PixelRect) {
-        self.colour.transition(recorder, eye, Use::COLOUR_TARGET);
-        self.depth.transition(recorder, eye, Use::DEPTH_TARGET);
+        self.colour.transition(recorder, eye, ResourceUse::COLOUR_TARGET);
+        self.depth.transition(recorder, eye, ResourceUse::DEPTH_TARGET);
         let attachment = |image: &EyeImage| {
             let view = image.image().layer_view(eye);
             Some(Attachment { view, load: Load::Keep, store: true })

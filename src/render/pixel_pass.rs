@@ -13,7 +13,7 @@ use bytemuck::Pod;
 
 use crate::gpu::{
     Attachment, Binding, Device, EyeImage, Graphics, Load, Pipeline, PipelineLayout, Recorder,
-    Result, Use,
+    ResourceUse, Result,
 };
 use crate::surface::PixelRect;
 
@@ -132,13 +132,13 @@ impl PixelPass {
         let PixelTarget { image, eye, area } = target;
         let size = image.size();
         match self.stage {
-            PixelStage::Compute => image.begin_overwrite(recorder, eye, Use::SHADER_WRITE),
+            PixelStage::Compute => image.begin_overwrite(recorder, eye, ResourceUse::SHADER_WRITE),
             PixelStage::Fragment => {
                 image.begin_overwrite_area(
                     recorder,
                     eye,
                     area.scissor.corner_and_size(),
-                    Use::COLOUR_TARGET,
+                    ResourceUse::COLOUR_TARGET,
                 );
                 let view = image.image().layer_view(eye);
                 let colour = Some(Attachment { view, load: area.rest, store: true });

@@ -18,7 +18,7 @@ use super::slicing::{clip_rows, corner_margin_px};
 use super::specialised::Specialised;
 use crate::gpu::layout::{CompositeView, PointView};
 use crate::gpu::{
-    Depth, Device, GpuError, Graphics, Piece, Pipeline, Recorder, Result, Staging, shaders,
+    BufferRange, Depth, Device, GpuError, Graphics, Pipeline, Recorder, Result, Staging, shaders,
 };
 use crate::shade::points::PointCloud;
 
@@ -32,7 +32,7 @@ pub struct PointsPass {
     uniforms: Uniforms,
     staging: Staging,
     /// The points of each eye in this frame.
-    pieces: Vec<Option<(Piece, u32)>>,
+    pieces: Vec<Option<(BufferRange, u32)>>,
     /// Alignment of the points in the staging buffer, and the most bytes of them that a shader can address.
     align: u64,
     most_bytes: u64,

@@ -17,7 +17,7 @@ use super::sampler::EyeRows;
 use super::stages::Stages;
 use super::{Background, MAX_EYES, SmoothSurface};
 use crate::document::Document;
-use crate::gpu::{GpuError, Recorder, Result, Use};
+use crate::gpu::{GpuError, Recorder, ResourceUse, Result};
 
 /// Number of equal frames before a picture is refined. While a person works, pictures change more often, and occasional
 /// smooth edges would flicker.
@@ -206,7 +206,7 @@ impl Renderer {
             mean.add(recorder, &mut pictures.colour, desc.sample + 1)?;
             mean.resolve(recorder, &mut pictures.colour);
             for eye in 0..pictures.colour.eyes() {
-                pictures.colour.transition(recorder, eye, Use::COPY_SOURCE);
+                pictures.colour.transition(recorder, eye, ResourceUse::COPY_SOURCE);
             }
         }
         Ok(())

@@ -22,7 +22,7 @@ use super::times::PictureTimer;
 pub use super::times::{DeviceTimes, RenderTimes};
 use super::{MAX_EYES, ReferencePicture, Shading};
 use crate::document::Document;
-use crate::gpu::{Device, Recorder, Result, Use, read_image_once};
+use crate::gpu::{Device, Recorder, ResourceUse, Result, read_image_once};
 use crate::shade::Pixels;
 use crate::surface::IndexMap;
 use crate::view::PixelRays;
@@ -111,7 +111,7 @@ impl Renderer {
         self.stages.cache = Some(FrameCache::new(before, document, desc, smooth.is_some()));
         let pictures = self.passes.layers.fit_pictures(desc.eyes)?;
         for eye in 0..pictures.colour.eyes() {
-            pictures.colour.transition(recorder, eye, Use::COPY_SOURCE);
+            pictures.colour.transition(recorder, eye, ResourceUse::COPY_SOURCE);
         }
         Ok(())
     }
@@ -128,8 +128,13 @@ impl Renderer {
         let (image, size) = (pictures.colour.image(), pictures.colour.size());
         let read = |eye| {
             let part = image.layer(eye);
-            let bytes =
-                read_image_once(&self.stages.device, part, image.size(), 4, Use::COPY_SOURCE)?;
+            let bytes = read_image_once(
+                &self.stages.device,
+                part,
+                image.size(),
+                4,
+                ResourceUse::COPY_SOURCE,
+            )?;
             Ok(Pixels { size, rgba: bytemuck::pod_collect_to_vec(&bytes) })
         };
         (0..pictures.colour.eyes()).map(read).collect()

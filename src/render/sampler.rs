@@ -13,9 +13,11 @@ use glam::UVec2;
 
 use super::device_copy::DeviceCopy;
 use super::level_stage::SampledLevels;
-use super::pending::Pending;
+use super::pending::PendingUpload;
 use super::pixel_pass::PixelStage;
-use super::{Colours, EyeTask, IndexReadback, IndexTarget, MAX_EYES, RayMarch, Slicing, Volume};
+use super::{
+    DeviceColours, EyeTask, IndexReadback, IndexTarget, MAX_EYES, RayMarch, Slicing, Volume,
+};
 use super::{MaskShown, RenderMode, Sampling};
 use crate::document::Document;
 use crate::gpu::{Device, Recorder, Result, Serial, Staging};
@@ -67,7 +69,7 @@ pub struct Sampler {
     /// Maps being uploaded.
     staging: Staging,
     /// The parts of the maps in memory that are not yet on the device.
-    pending: [Pending; MAX_EYES],
+    pending: [PendingUpload; MAX_EYES],
     /// The visible rects: nothing is visible outside of them.
     visible: [PixelRect; MAX_EYES],
     read_back_ms: Option<f32>,
@@ -78,7 +80,7 @@ pub struct Sampler {
 /// Maps on the device, and their state.
 pub(super) struct DeviceMaps {
     maps: Option<IndexTarget>,
-    pending: [Pending; MAX_EYES],
+    pending: [PendingUpload; MAX_EYES],
     visible: [PixelRect; MAX_EYES],
 }
 
@@ -86,7 +88,7 @@ impl Default for DeviceMaps {
     fn default() -> DeviceMaps {
         DeviceMaps {
             maps: None,
-            pending: [Pending::Nothing; MAX_EYES],
+            pending: [PendingUpload::Nothing; MAX_EYES],
             visible: [PixelRect::EMPTY; MAX_EYES],
         }
     }
@@ -108,7 +110,7 @@ impl Sampler {
             readbacks: std::array::from_fn(|_| IndexReadback::new(device)),
             maps: None,
             staging: Staging::new(device, "index maps", usage, 1 << 20)?,
-            pending: [Pending::Nothing; MAX_EYES],
+            pending: [PendingUpload::Nothing; MAX_EYES],
             visible: [PixelRect::EMPTY; MAX_EYES],
             read_back_ms: None,
             device_ms: None,
@@ -124,21 +126,22 @@ impl Sampler {
         maps: &[Arc<IndexMap>],
     ) -> Result<&mut IndexTarget> {
         // Maps from memory have their normals there.
-        let has_normals = self.pending.iter().all(|pending| matches!(pending, Pending::Nothing))
-            && self.maps.as_ref().is_some_and(IndexTarget::has_normals);
+        let has_normals =
+            self.pending.iter().all(|pending| matches!(pending, PendingUpload::Nothing))
+                && self.maps.as_ref().is_some_and(IndexTarget::has_normals);
         let target = target(&self.device, &mut self.maps, maps, has_normals)?;
         self.staging.begin(slot);
         for ((eye, map), pending) in (0..).zip(maps).zip(&mut self.pending) {
             let visible = self.visible[eye as usize];
             let width = map.rays.size.x;
             match std::mem::take(pending) {
-                Pending::Nothing => {}
-                Pending::Changed(rect) => {
+                PendingUpload::Nothing => {}
+                PendingUpload::Changed(rect) => {
                     let rect = rect.intersect(visible);
                     let piece = self.staging.push(rect.rows_of(&map.voxels, width), 4)?;
                     target.update(recorder, eye, piece, rect.rows());
                 }
-                Pending::All => {
+                PendingUpload::All => {
                     let piece = self.staging.push(visible.rows_of(&map.voxels, width), 4)?;
                     target.upload(recorder, eye, piece, visible.rows());
                 }
@@ -149,7 +152,7 @@ impl Sampler {
     }
 
     /// Returns the maps on the device, and the copy of the document, once it was sampled in a mode that needs them.
-    pub fn on_device(&mut self) -> Option<(&mut IndexTarget, &Volume, Option<&Colours>)> {
+    pub fn on_device(&mut self) -> Option<(&mut IndexTarget, &Volume, Option<&DeviceColours>)> {
         let copy = self.copy.as_ref()?;
         Some((self.maps.as_mut()?, &copy.volume, copy.colours.as_ref()))
     }
@@ -172,7 +175,7 @@ impl Sampler {
     }
 
     /// Returns the copy of the document, once it was sampled in a mode that needs it.
-    pub fn copy(&self) -> Option<(&Volume, Option<&Colours>)> {
+    pub fn copy(&self) -> Option<(&Volume, Option<&DeviceColours>)> {
         let copy = self.copy.as_ref()?;
         Some((&copy.volume, copy.colours.as_ref()))
     }
@@ -194,7 +197,7 @@ impl Sampler {
         let grid = document.grid();
         if let Some(smooth) = smooth.as_ref().filter(|smooth| smooth.is_on_device()) {
             for (i, (rays, map)) in rays.iter().zip(maps.iter_mut()).enumerate() {
-                (self.visible[i], self.pending[i]) = (smooth.visible(rays), Pending::Nothing);
+                (self.visible[i], self.pending[i]) = (smooth.visible(rays), PendingUpload::Nothing);
                 Arc::make_mut(map).forget(*rays);
             }
             let request = SampleRequest { changed: None, ..*request };
@@ -227,7 +230,7 @@ impl Sampler {
                     } else {
                         map.reset(*rays)
                     }
-                    self.pending[i] = Pending::Nothing;
+                    self.pending[i] = PendingUpload::Nothing;
                     continue;
                 }
             };
@@ -268,7 +271,7 @@ impl Sampler {
         }
         smooth.sample_rect(grid, part.rect(), map);
         (self.visible[part.eye], self.pending[part.eye]) =
-            (smooth.visible(&part.rays), Pending::All);
+            (smooth.visible(&part.rays), PendingUpload::All);
         (self.device_ms, self.read_back_ms) = (None, None);
     }
 

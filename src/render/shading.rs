@@ -11,9 +11,10 @@ use glam::UVec3;
 
 use crate::gpu::layout::Shading;
 use crate::gpu::{
-    Buffer, DescriptorSets, Device, MemoryLocation, Piece, Result, Staging, Use, run_once,
+    Buffer, BufferRange, DescriptorSets, Device, MemoryLocation, ResourceUse, Result, Staging,
+    run_once,
 };
-use crate::render::{Colours, Normals};
+use crate::render::{DeviceColours, Normals};
 use crate::sculpture::Rgb;
 use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::shade::{Illumination, LightSource, Lighting, Look, Matcap, ShadePose};
@@ -31,7 +32,7 @@ pub struct LitSurface<'a> {
     /// Size of the grid in voxels.
     pub dims: UVec3,
     /// None: every voxel has the base colour.
-    pub colours: Option<&'a Colours>,
+    pub colours: Option<&'a DeviceColours>,
     pub base: Rgb,
     /// The normals for shading on the device.
     pub normals: Option<&'a Normals>,
@@ -52,7 +53,7 @@ impl LitSurface<'_> {
             self.lighting.occlusion.into(),
             self.colours
                 .filter(|colours| colours.shows_mask() || self.lighting.look == Look::Colours)
-                .map_or(0, Colours::bytes_per_voxel),
+                .map_or(0, DeviceColours::bytes_per_voxel),
             self.estimates.into(),
             (self.lighting.look == Look::Matcap).into(),
             self.lighting.shadow.is_some().into(),
@@ -98,7 +99,7 @@ impl Uniforms {
 
     /// Uploads the uniforms of `surface` and binds them to `set`, with the matcap if it has one.
     pub fn write(&mut self, sets: &DescriptorSets, set: usize, surface: &LitSurface) -> Result<()> {
-        let piece: Piece = self.staging.push(&[uniforms(surface)], self.align)?;
+        let piece: BufferRange = self.staging.push(&[uniforms(surface)], self.align)?;
         let kind = vk::DescriptorType::UNIFORM_BUFFER;
         sets.write_buffer(set, UNIFORMS, kind, piece);
         let matcap = match surface.lighting.look {
@@ -125,7 +126,7 @@ impl Uniforms {
     /// Binds the colours and normals of `surface` to `set`.
     pub fn write_surface(&self, sets: &DescriptorSets, set: usize, surface: &LitSurface) {
         let kind = vk::DescriptorType::STORAGE_BUFFER;
-        let colours = surface.colours.map_or(&self.nothing, Colours::buffer);
+        let colours = surface.colours.map_or(&self.nothing, DeviceColours::buffer);
         sets.write_buffer(set, COLOURS, kind, colours.whole());
         let normals = surface.normals.map_or(&self.nothing, Normals::buffer);
         sets.write_buffer(set, NORMALS, kind, normals.whole());
@@ -145,7 +146,7 @@ fn upload(device: &Arc<Device>, matcap: Matcap) -> Result<Buffer> {
     run_once(device, |recorder| {
         let copy = vk::BufferCopy { src_offset: 0, dst_offset: 0, size: bytes };
         recorder.copy_buffer(source.handle(), target.handle(), &[copy]);
-        recorder.buffer_barrier(Use::COPY_TARGET, Use::SHADER_READ);
+        recorder.buffer_barrier(ResourceUse::COPY_TARGET, ResourceUse::SHADER_READ);
         Ok(())
     })?;
     Ok(target)

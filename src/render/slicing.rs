@@ -101,7 +101,7 @@ impl Slicing {
     }
 
     /// Draws the part of an index map described by `task`, of the volume given to [`Slicing::begin`]. `areas` must be
-    /// up to date with it. Leaves the map in the layout of [`crate::gpu::Use::COLOUR_TARGET`].
+    /// up to date with it. Leaves the map in the layout of [`crate::gpu::ResourceUse::COLOUR_TARGET`].
     pub fn record(
         &mut self,
         recorder: &mut Recorder,

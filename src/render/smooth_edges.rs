@@ -16,7 +16,7 @@ use super::pictures::FinishedPictures;
 use crate::gpu::layout::EdgesView;
 use crate::gpu::{
     Attachment, DescriptorSets, Device, EyeImage, FRAMES_IN_FLIGHT, Graphics, Load, Pipeline,
-    PipelineLayout, Recorder, Result, SetLayout, Use, shaders,
+    PipelineLayout, Recorder, ResourceUse, Result, SetLayout, shaders,
 };
 
 /// Distance within which other pixels affect the colour of a pixel.
@@ -100,8 +100,8 @@ impl SmoothEdges {
         recorder.end_rendering();
         let Some(sharp) = &mut self.sharp else { return };
         let FinishedPictures { colour, depth } = pictures;
-        sharp.transition(recorder, eye, Use::SHADER_READ);
-        depth.transition(recorder, eye, Use::SHADER_READ);
+        sharp.transition(recorder, eye, ResourceUse::SHADER_READ);
+        depth.transition(recorder, eye, ResourceUse::SHADER_READ);
         let set = self.slot * MAX_EYES + eye as usize;
         let names = [sharp.image().id(), depth.image().id()];
         if self.named[set] != names {
@@ -111,7 +111,7 @@ impl SmoothEdges {
         }
         let place = area.corner_and_size();
         let size = colour.size();
-        colour.begin_overwrite_area(recorder, eye, place, Use::COLOUR_TARGET);
+        colour.begin_overwrite_area(recorder, eye, place, ResourceUse::COLOUR_TARGET);
         let attachment = |image: &EyeImage, load| {
             Some(Attachment { view: image.image().layer_view(eye), load, store: true })
         };
@@ -126,8 +126,8 @@ impl SmoothEdges {
         recorder.push(self.pipeline.layout(), &view);
         recorder.draw(3, 1);
         recorder.end_rendering();
-        colour.begin_overwrite_area(recorder, eye, ([0, 0], [0, 0]), Use::COLOUR_TARGET);
-        depth.transition(recorder, eye, Use::DEPTH_TARGET);
+        colour.begin_overwrite_area(recorder, eye, ([0, 0], [0, 0]), ResourceUse::COLOUR_TARGET);
+        depth.transition(recorder, eye, ResourceUse::DEPTH_TARGET);
         let (colour, depth) = (attachment(colour, Load::Keep), attachment(depth, Load::Keep));
         recorder.begin_rendering_in(size.to_array(), place, colour, depth);
     }

@@ -11,7 +11,7 @@ use ash::vk;
 
 use super::composite_eye::is_srgb;
 use super::pictures::FinishedPictures;
-use crate::gpu::{Device, Recorder, Result, Staging, Use};
+use crate::gpu::{Device, Recorder, ResourceUse, Result, Staging};
 use crate::shade::composed::Composition;
 use crate::surface::PixelRect;
 
@@ -72,7 +72,7 @@ impl SoftwareComposite {
         let [colours, depths] = both.halves();
         pictures.colour.update_area(recorder, eye, colours, place);
         pictures.depth.update_area(recorder, eye, depths, place);
-        pictures.depth.transition(recorder, eye, Use::DEPTH_TARGET);
+        pictures.depth.transition(recorder, eye, ResourceUse::DEPTH_TARGET);
         Ok(())
     }
 }

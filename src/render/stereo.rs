@@ -16,7 +16,7 @@ use crate::gpu::{
 };
 use crate::view::StereoLayout;
 
-/// The input of the pass. All images are in the layout of [`crate::gpu::Use::SHADER_READ`].
+/// The input of the pass. All images are in the layout of [`crate::gpu::ResourceUse::SHADER_READ`].
 #[derive(Clone, Copy)]
 pub struct StereoSources<'a> {
     /// Two layers: left, right.

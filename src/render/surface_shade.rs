@@ -16,8 +16,8 @@ use super::shading::{
 use super::specialised::Specialised;
 use super::target::{EyeTask, IndexTarget};
 use crate::gpu::{
-    DescriptorSets, Device, EyeImage, FRAMES_IN_FLIGHT, Load, PipelineLayout, Recorder, Result,
-    SetLayout, Use, shaders,
+    DescriptorSets, Device, EyeImage, FRAMES_IN_FLIGHT, Load, PipelineLayout, Recorder,
+    ResourceUse, Result, SetLayout, shaders,
 };
 
 const INDEX_MAP: u32 = 2;
@@ -84,7 +84,7 @@ impl SurfaceShade {
     }
 
     /// Records the part of an eye's picture of `volume` described by `task`. Leaves it in the layout of
-    /// [`Use::SHADER_READ`].
+    /// [`ResourceUse::SHADER_READ`].
     pub fn record(
         &mut self,
         recorder: &mut Recorder,
@@ -117,7 +117,7 @@ impl SurfaceShade {
         })?;
         let target = PixelTarget { image: &mut *pictures, eye, area };
         pass.record::<[u32; 0]>(recorder, set, None, target);
-        pictures.transition(recorder, eye, Use::SHADER_READ);
+        pictures.transition(recorder, eye, ResourceUse::SHADER_READ);
         Ok(())
     }
 }

@@ -7,7 +7,8 @@ use ash::vk;
 use glam::UVec2;
 
 use crate::gpu::{
-    Attachment, Device, EyeImage, Load, Piece, Readback, Recorder, Result, Serial, TexelRows, Use,
+    Attachment, BufferRange, Device, EyeImage, Load, Readback, Recorder, ResourceUse, Result,
+    Serial, TexelRows,
 };
 use crate::sculpture::NO_VOXEL;
 use crate::surface::{IndexMap, PixelRect};
@@ -97,9 +98,9 @@ impl IndexTarget {
             recorder,
             eye,
             scissor.corner_and_size(),
-            Use::COLOUR_TARGET,
+            ResourceUse::COLOUR_TARGET,
         );
-        self.depth.begin_overwrite(recorder, eye, Use::DEPTH_TARGET);
+        self.depth.begin_overwrite(recorder, eye, ResourceUse::DEPTH_TARGET);
         recorder.begin_rendering_in(
             self.size().to_array(),
             scissor.corner_and_size(),
@@ -128,18 +129,30 @@ impl IndexTarget {
 
     /// Uploads rows of a map of the CPU from `piece` to the map of `eye`. The other rows are
     /// discarded.
-    pub fn upload(&mut self, recorder: &mut Recorder, eye: u32, piece: Piece, rows: Range<u32>) {
+    pub fn upload(
+        &mut self,
+        recorder: &mut Recorder,
+        eye: u32,
+        piece: BufferRange,
+        rows: Range<u32>,
+    ) {
         self.index.upload_rows(recorder, eye, piece, rows);
     }
 
     /// Uploads rows likewise, but keeps the other rows.
-    pub fn update(&mut self, recorder: &mut Recorder, eye: u32, piece: Piece, rows: Range<u32>) {
+    pub fn update(
+        &mut self,
+        recorder: &mut Recorder,
+        eye: u32,
+        piece: BufferRange,
+        rows: Range<u32>,
+    ) {
         self.index.update_rows(recorder, eye, piece, rows);
     }
 
     /// Transitions the map of `eye` to be read by shaders.
     pub fn make_readable(&mut self, recorder: &mut Recorder, eye: u32) {
-        self.index.transition(recorder, eye, Use::SHADER_READ);
+        self.index.transition(recorder, eye, ResourceUse::SHADER_READ);
     }
 }
 
@@ -164,7 +177,7 @@ impl IndexReadback {
         target: &mut IndexTarget,
         task: &EyeTask,
     ) -> Result<()> {
-        target.index.transition(recorder, task.eye, Use::COPY_SOURCE);
+        target.index.transition(recorder, task.eye, ResourceUse::COPY_SOURCE);
         let image = target.index.image();
         let (layer, [width, ..]) = (image.layer(task.eye), image.size());
         let rows = TexelRows { width, rows: task.scissor.rows(), texel_bytes: 4 };

@@ -12,17 +12,17 @@ use glam::{Affine3A, Mat3, Vec3};
 use thiserror::Error;
 
 use super::shading::{COLOURS, NORMALS, UNIFORMS, VOLUME};
-use super::{Colours, Normals, Volume};
+use super::{DeviceColours, Normals, Volume};
 use crate::gpu::layout::{TraceRays, TraceScene};
 use crate::gpu::{
     Buffer, DescriptorSets, Device, GpuError, MemoryLocation, Pipeline, PipelineLayout, Recorder,
-    SetLayout, Use, run_once, shaders,
+    ResourceUse, SetLayout, run_once, shaders,
 };
 use crate::progress::Progress;
 use crate::shade::ShadeSource;
 use crate::trace::{
-    Film, MAX_FINAL_SAMPLES, MAX_PIXELS, PixelSum, Prepared, TraceCamera, TraceError, TraceOptions,
-    pass_rays, prepare,
+    Film, MAX_FINAL_SAMPLES, MAX_PIXELS, PixelSum, PreparedTrace, TraceCamera, TraceError,
+    TraceOptions, pass_rays, prepare,
 };
 use crate::view::PixelRays;
 
@@ -76,7 +76,7 @@ struct DeviceTracer {
     film: Buffer,
     // The set refers to it.
     _volume: Volume,
-    _colours: Option<Colours>,
+    _colours: Option<DeviceColours>,
     _normals: Normals,
     _others: [Buffer; 2],
     device: Arc<Device>,
@@ -102,7 +102,7 @@ impl DeviceTracer {
         let film = Buffer::new(device, name, bytes, usage, MemoryLocation::GpuOnly)?;
         let volume = Volume::new(device, grid)?;
         let is_painted = material.page_count() > 0;
-        let colours = is_painted.then(|| Colours::new(device, &source.colours(None)));
+        let colours = is_painted.then(|| DeviceColours::new(device, &source.colours(None)));
         let colours = colours.transpose()?;
         let normals = Normals::new(device, normals)?;
 
@@ -137,7 +137,7 @@ impl DeviceTracer {
         let layout = PipelineLayout::new(device, name, Some(&set_layout), push)?;
         let sets = DescriptorSets::new(device, name, &set_layout, 1)?;
         sets.write_sampled(0, VOLUME, volume.image().view());
-        let colour_buffer = colours.as_ref().map_or(&nothing, Colours::buffer);
+        let colour_buffer = colours.as_ref().map_or(&nothing, DeviceColours::buffer);
         for (binding, kind, buffer) in [
             (FILM, storage, &film),
             (COLOURS, storage, colour_buffer),
@@ -146,7 +146,7 @@ impl DeviceTracer {
         ] {
             sets.write_buffer(0, binding, kind, buffer.whole());
         }
-        let colour_bytes = colours.as_ref().map_or(0, Colours::bytes_per_voxel);
+        let colour_bytes = colours.as_ref().map_or(0, DeviceColours::bytes_per_voxel);
         let constants = kind(&prepared, options.bounces, colour_bytes);
         let pipeline = Pipeline::compute(device, name, shaders::TRACE_COMP, &layout, &constants)?;
         Ok(DeviceTracer {
@@ -188,8 +188,8 @@ impl DeviceTracer {
 
     fn record_band(&self, recorder: &mut Recorder, push: &TraceRays, height: u32) {
         // Each pixel is added to the result of the pass before; the first pass begins at 0.
-        recorder.buffer_barrier(Use::SHADER_WRITE, Use::SHADER_READ);
-        recorder.buffer_barrier(Use::SHADER_WRITE, Use::SHADER_WRITE);
+        recorder.buffer_barrier(ResourceUse::SHADER_WRITE, ResourceUse::SHADER_READ);
+        recorder.buffer_barrier(ResourceUse::SHADER_WRITE, ResourceUse::SHADER_WRITE);
         recorder.bind_pipeline(&self.pipeline);
         recorder.bind_set(&self.pipeline, self.sets.set(0));
         recorder.push(self.pipeline.layout(), push);
@@ -208,9 +208,9 @@ impl DeviceTracer {
             let size = chunk.min(bytes - src_offset);
             let copy = vk::BufferCopy { src_offset, dst_offset: 0, size };
             run_once(&self.device, |recorder| {
-                recorder.buffer_barrier(Use::SHADER_WRITE, Use::COPY_SOURCE);
+                recorder.buffer_barrier(ResourceUse::SHADER_WRITE, ResourceUse::COPY_SOURCE);
                 recorder.copy_buffer(self.film.handle(), target.handle(), &[copy]);
-                recorder.buffer_barrier(Use::COPY_TARGET, Use::HOST_READ);
+                recorder.buffer_barrier(ResourceUse::COPY_TARGET, ResourceUse::HOST_READ);
                 Ok(())
             })?;
             let mapped = target.mapped().get(..size as usize);
@@ -226,8 +226,8 @@ impl DeviceTracer {
 }
 
 /// Returns the specialization constants of shaders/kind.wgsl and shaders/trace_kind.wgsl.
-fn kind(prepared: &Prepared, bounces: u32, colour_bytes: u32) -> [u32; 13] {
-    let Prepared { sun, lamp, ground, pupil, .. } = prepared;
+fn kind(prepared: &PreparedTrace, bounces: u32, colour_bytes: u32) -> [u32; 13] {
+    let PreparedTrace { sun, lamp, ground, pupil, .. } = prepared;
     let mut constants = [0; 13];
     constants[2] = colour_bytes;
     constants[8] = bounces;
@@ -251,8 +251,8 @@ fn push_constants(rays: &PixelRays, index: u32, first_row: u32) -> TraceRays {
     }
 }
 
-fn uniforms(prepared: &Prepared) -> TraceScene {
-    let Prepared { sky, bounds, .. } = prepared;
+fn uniforms(prepared: &PreparedTrace) -> TraceScene {
+    let PreparedTrace { sky, bounds, .. } = prepared;
     let mut scene = TraceScene {
         world_from_grid: rows(&prepared.world_from_grid),
         grid_from_world: rows(&without_offset(prepared.grid_from_world)),

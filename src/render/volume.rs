@@ -15,8 +15,8 @@ use glam::UVec3;
 use super::brick_boxes::{BrickBox, cover};
 use super::dilated_occupancy_image::DilatedOccupancyImage;
 use crate::gpu::{
-    Buffer, Device, GpuError, Image, ImageInfo, MemoryLocation, Recorder, Result, Staging, Use,
-    run_once,
+    Buffer, Device, GpuError, Image, ImageInfo, MemoryLocation, Recorder, ResourceUse, Result,
+    Staging, run_once,
 };
 use crate::sculpture::brick::BRICK_WORDS;
 use crate::sculpture::{Brick, Grid};
@@ -32,7 +32,7 @@ const WHOLE_FROM_SHARE: usize = 4;
 
 const BRICK_BYTES: usize = size_of::<Brick>();
 
-/// The device's copy of a grid's bits, always in the layout of [`Use::SHADER_READ`].
+/// The device's copy of a grid's bits, always in the layout of [`ResourceUse::SHADER_READ`].
 pub struct Volume {
     image: Image,
     dilated: DilatedOccupancyImage,
@@ -60,7 +60,7 @@ impl Volume {
             copies: Vec::new(),
             device: device.clone(),
         };
-        volume.upload_whole(grid, Use::NOTHING)?;
+        volume.upload_whole(grid, ResourceUse::NOTHING)?;
         Ok(volume)
     }
 
@@ -78,7 +78,7 @@ impl Volume {
             self.image = make_image(&self.device, grid)?;
             self.dilated = DilatedOccupancyImage::new(&self.device, grid)?;
             self.dims = grid.dims();
-            return self.upload_whole(grid, Use::NOTHING);
+            return self.upload_whole(grid, ResourceUse::NOTHING);
         }
         match changed {
             Some([]) => return Ok(()),
@@ -93,10 +93,10 @@ impl Volume {
                 let bricks: usize = self.boxes.iter().map(|b| b.bricks()).sum();
                 match bricks * BRICK_BYTES <= CHUNK_BYTES {
                     true => self.upload_in_frame(recorder, slot, grid, bricks),
-                    false => self.upload_at_once(grid, Use::SHADER_READ),
+                    false => self.upload_at_once(grid, ResourceUse::SHADER_READ),
                 }
             }
-            _ => self.upload_whole(grid, Use::SHADER_READ),
+            _ => self.upload_whole(grid, ResourceUse::SHADER_READ),
         }
     }
 
@@ -114,14 +114,14 @@ impl Volume {
         self.dims
     }
 
-    fn upload_whole(&mut self, grid: &Grid, before: Use) -> Result<()> {
+    fn upload_whole(&mut self, grid: &Grid, before: ResourceUse) -> Result<()> {
         self.boxes.clear();
         self.boxes.push(BrickBox { min: UVec3::ZERO, size: grid.brick_dims() });
         self.upload_at_once(grid, before)
     }
 
     /// Uploads the boxes and waits for it.
-    fn upload_at_once(&mut self, grid: &Grid, before: Use) -> Result<()> {
+    fn upload_at_once(&mut self, grid: &Grid, before: ResourceUse) -> Result<()> {
         let most = CHUNK_BYTES / BRICK_BYTES;
         let mut pieces = Vec::new();
         for of in &self.boxes {
@@ -150,12 +150,12 @@ impl Volume {
             }
             pack(grid, now, target, &mut self.copies);
             run_once(&self.device, |recorder| {
-                recorder.image_barrier(part, from, Use::COPY_TARGET);
+                recorder.image_barrier(part, from, ResourceUse::COPY_TARGET);
                 recorder.copy_to_image(buffer.handle(), part, &self.copies);
-                recorder.image_barrier(part, Use::COPY_TARGET, Use::SHADER_READ);
+                recorder.image_barrier(part, ResourceUse::COPY_TARGET, ResourceUse::SHADER_READ);
                 Ok(())
             })?;
-            (from, rest) = (Use::SHADER_READ, later);
+            (from, rest) = (ResourceUse::SHADER_READ, later);
         }
         Ok(())
     }
@@ -178,9 +178,9 @@ impl Volume {
             copy.buffer_offset += piece.offset;
         }
         let part = self.image.whole();
-        recorder.image_barrier(part, Use::SHADER_READ, Use::COPY_TARGET);
+        recorder.image_barrier(part, ResourceUse::SHADER_READ, ResourceUse::COPY_TARGET);
         recorder.copy_to_image(piece.buffer, part, copies);
-        recorder.image_barrier(part, Use::COPY_TARGET, Use::SHADER_READ);
+        recorder.image_barrier(part, ResourceUse::COPY_TARGET, ResourceUse::SHADER_READ);
         Ok(())
     }
 }

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use glam::{Quat, UVec2, UVec3, Vec3};
 
 use super::SmoothSurface;
-use super::overlay_scene::{Line, ToolPreview};
+use super::overlay_scene::{OverlayLine, ToolPreview};
 use super::{Background, FrameDesc, RenderMode, Renderer};
 use crate::document::{Document, Limits};
 use crate::gpu::{Frames, GpuError, Result};
@@ -53,7 +53,7 @@ impl WarmUp {
             colour: GREY,
             opacity: [0.5; 2],
         };
-        let line = Line {
+        let line = OverlayLine {
             from: Vec3::ZERO,
             to: 2.0 * centre_vx,
             colour: GREY,

@@ -6,7 +6,9 @@ use std::sync::Arc;
 use ash::vk;
 use glam::UVec2;
 
-use crate::gpu::{Attachment, Device, EyeImage, Load, Recorder, Result, Use, read_image_once};
+use crate::gpu::{
+    Attachment, Device, EyeImage, Load, Recorder, ResourceUse, Result, read_image_once,
+};
 use crate::shade::Pixels;
 
 /// The colour format: sRGB values, not encoded by the device.
@@ -42,8 +44,8 @@ impl Offscreen {
 
     /// Starts rendering for `eye`, cleared to transparent black at infinite depth.
     pub fn begin(&mut self, recorder: &mut Recorder, eye: u32) {
-        self.colour.begin_overwrite(recorder, eye, Use::COLOUR_TARGET);
-        self.depth.begin_overwrite(recorder, eye, Use::DEPTH_TARGET);
+        self.colour.begin_overwrite(recorder, eye, ResourceUse::COLOUR_TARGET);
+        self.depth.begin_overwrite(recorder, eye, ResourceUse::DEPTH_TARGET);
         recorder.begin_rendering(
             self.size().to_array(),
             Some(Attachment {
@@ -68,7 +70,8 @@ impl Offscreen {
     pub fn read_back(&self, eye: u32) -> Result<Pixels> {
         let image = self.colour.image();
         let part = image.layer(eye);
-        let bytes = read_image_once(&self.device, part, image.size(), 4, Use::COLOUR_TARGET)?;
+        let bytes =
+            read_image_once(&self.device, part, image.size(), 4, ResourceUse::COLOUR_TARGET)?;
         Ok(Pixels { size: self.size(), rgba: bytemuck::pod_collect_to_vec(&bytes) })
     }
 }

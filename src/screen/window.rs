@@ -15,7 +15,8 @@ use ash::{khr, vk};
 use choices::Recovery;
 
 use crate::gpu::{
-    Device, During, FRAMES_IN_FLIGHT, GpuError, ImagePart, Recorder, Result, Use, WindowSurface,
+    Device, During, FRAMES_IN_FLIGHT, GpuError, ImagePart, Recorder, ResourceUse, Result,
+    WindowSurface,
 };
 
 /// Time for which a window system may refuse a swapchain before that is an error.
@@ -53,7 +54,7 @@ impl WindowTarget {
 
     /// The use before the first barrier: the window system has finished after [`WindowTarget::wait`], and the contents may be
     /// discarded.
-    pub const FIRST: Use = Use::COPY_TARGET.discarded();
+    pub const FIRST: ResourceUse = ResourceUse::COPY_TARGET.discarded();
 
     /// Returns the semaphore that a submission waits for before it copies or draws to the image.
     pub fn wait(&self) -> vk::SemaphoreSubmitInfo<'static> {
@@ -267,8 +268,8 @@ impl WindowScreen {
         }
     }
 
-    /// Records the copy of a picture in the layout of [`crate::gpu::Use::COPY_SOURCE`] to a
-    /// position in a target in the layout of [`crate::gpu::Use::COPY_TARGET`], clipped to the
+    /// Records the copy of a picture in the layout of [`crate::gpu::ResourceUse::COPY_SOURCE`] to a
+    /// position in a target in the layout of [`crate::gpu::ResourceUse::COPY_TARGET`], clipped to the
     /// target.
     pub fn paste(
         recorder: &mut Recorder,

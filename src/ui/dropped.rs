@@ -19,7 +19,7 @@ const PICTURE_ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];
 
 /// The use of dropped files.
 #[derive(PartialEq, Eq, Debug)]
-enum Use {
+enum DroppedUse {
     Open(PathBuf),
     References(Vec<PathBuf>),
     /// Nothing, for this reason.
@@ -47,16 +47,16 @@ pub fn show(root: &Ui, state: &mut UiState, within: Rect, requests: &mut Vec<UiR
         return state.toasts.error(text);
     }
     match use_of(&dropped, is_modal) {
-        Use::Open(path) => {
+        DroppedUse::Open(path) => {
             let upright = state.known_files.upright.of(&path);
             let import = ImportOptions { upright, ..ImportOptions::default() };
             let at_once = root.input(|input| input.modifiers.shift);
             state.dialogs.import.open(path, import, at_once, requests);
         }
-        Use::References(paths) => {
+        DroppedUse::References(paths) => {
             requests.extend(paths.into_iter().map(UiRequest::AddReference));
         }
-        Use::Refused(why) => state.toasts.error(why),
+        DroppedUse::Refused(why) => state.toasts.error(why),
     }
 }
 
@@ -71,27 +71,27 @@ fn once(paths: impl Iterator<Item = PathBuf>) -> Vec<PathBuf> {
     seen
 }
 
-fn use_of(paths: &[PathBuf], is_modal: bool) -> Use {
+fn use_of(paths: &[PathBuf], is_modal: bool) -> DroppedUse {
     if is_modal {
-        return Use::Refused("Close the open dialog before dropping files".to_owned());
+        return DroppedUse::Refused("Close the open dialog before dropping files".to_owned());
     }
     let is_picture = |path: &PathBuf| {
         let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
         ending.is_some_and(|ending| PICTURE_ENDINGS.contains(&ending.as_str()))
     };
     if paths.iter().all(is_picture) {
-        return Use::References(paths.to_vec());
+        return DroppedUse::References(paths.to_vec());
     }
     match paths {
-        [path] if can_be_read(path) => Use::Open(path.clone()),
+        [path] if can_be_read(path) => DroppedUse::Open(path.clone()),
         [path] => {
             let name = name_of(path);
-            Use::Refused(format!(
+            DroppedUse::Refused(format!(
                 "{name} cannot be opened; drop a file that ends in .{}, a folder of DICOM files, or an image",
                 READ_ENDINGS.join(", .")
             ))
         }
-        _ => Use::Refused("Drop one sculpture at a time, or only images".to_owned()),
+        _ => DroppedUse::Refused("Drop one sculpture at a time, or only images".to_owned()),
     }
 }
 
@@ -99,16 +99,18 @@ fn name_of(path: &Path) -> String {
     path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
-fn sign(root: &Ui, within: Rect, what: &Use) {
+fn sign(root: &Ui, within: Rect, what: &DroppedUse) {
     let text = match what {
-        Use::Open(path) => format!("Drop to open {}", name_of(path)),
-        Use::References(paths) if paths.len() == 1 => "Drop as a reference picture".to_owned(),
-        Use::References(paths) => format!("Drop as {} reference pictures", paths.len()),
-        Use::Refused(why) => why.clone(),
+        DroppedUse::Open(path) => format!("Drop to open {}", name_of(path)),
+        DroppedUse::References(paths) if paths.len() == 1 => {
+            "Drop as a reference picture".to_owned()
+        }
+        DroppedUse::References(paths) => format!("Drop as {} reference pictures", paths.len()),
+        DroppedUse::Refused(why) => why.clone(),
     };
     let visuals = &root.style().visuals;
     let colour = match what {
-        Use::Refused(_) => theme::error_colour(visuals),
+        DroppedUse::Refused(_) => theme::error_colour(visuals),
         _ => visuals.hyperlink_color,
     };
     let layer = LayerId::new(Order::Foreground, Id::new("drop target"));
@@ -131,24 +133,24 @@ fn sign(root: &Ui, within: Rect, what: &Use) {
 mod tests {
     use super::*;
 
-    fn uses(names: &[&str]) -> Use {
+    fn uses(names: &[&str]) -> DroppedUse {
         use_of(&names.iter().map(PathBuf::from).collect::<Vec<_>>(), false)
     }
 
     #[test]
     fn one_sculpture_is_opened_and_images_are_references() {
-        assert_eq!(uses(&["/a/b.vsc"]), Use::Open("/a/b.vsc".into()));
-        assert_eq!(uses(&["head.PVM"]), Use::Open("head.PVM".into()));
-        assert_eq!(uses(&["/a/brain.nii.gz"]), Use::Open("/a/brain.nii.gz".into()));
+        assert_eq!(uses(&["/a/b.vsc"]), DroppedUse::Open("/a/b.vsc".into()));
+        assert_eq!(uses(&["head.PVM"]), DroppedUse::Open("head.PVM".into()));
+        assert_eq!(uses(&["/a/brain.nii.gz"]), DroppedUse::Open("/a/brain.nii.gz".into()));
         assert_eq!(
             uses(&["a.png", "b.JPG"]),
-            Use::References(vec!["a.png".into(), "b.JPG".into()])
+            DroppedUse::References(vec!["a.png".into(), "b.JPG".into()])
         );
         for names in
             [&["a.vsc", "b.vsc"][..], &["a.vsc", "b.png"], &["a.txt"], &["a.gz"], &["folder"]]
         {
-            assert!(matches!(uses(names), Use::Refused(_)), "{names:?}");
+            assert!(matches!(uses(names), DroppedUse::Refused(_)), "{names:?}");
         }
-        assert!(matches!(use_of(&["a.vsc".into()], true), Use::Refused(_)));
+        assert!(matches!(use_of(&["a.vsc".into()], true), DroppedUse::Refused(_)));
     }
 }

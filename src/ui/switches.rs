@@ -27,9 +27,9 @@ pub fn fit(ui: &Ui, context: &UiContext) -> bool {
 }
 
 /// A switch: its name, its state, its action.
-type Switch = (&'static str, bool, Action);
+type SwitchEntry = (&'static str, bool, Action);
 
-fn switches(state: &UiState, context: &UiContext) -> Vec<Switch> {
+fn switches(state: &UiState, context: &UiContext) -> Vec<SwitchEntry> {
     if context.in_headset {
         return vec![("Lights", state.dialogs.light.open, Action::Lights)];
     }

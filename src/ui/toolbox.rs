@@ -58,14 +58,15 @@ pub fn content(
     let tool = context.tool;
     // Drops names before tools go out of sight.
     let wide = theme::toolbox_columns(ui.available_width()) > 2;
-    let look = if wide || ui.clip_rect().height() > ROOMY { Look::Full } else { Look::Bare };
-    let solids = Solid::ALL.map(|solid| Entry {
+    let look =
+        if wide || ui.clip_rect().height() > ROOMY { ButtonStyle::Full } else { ButtonStyle::Bare };
+    let solids = Solid::ALL.map(|solid| ToolEntry {
         name: solid.spec().label.to_string(),
         chosen: tool.kind == ToolKind::Solid && tool.solid == solid,
         action: Action::Solid(solid),
     });
     let shows_mode = matches!(tool.kind, ToolKind::Solid | ToolKind::Draw(_));
-    let modes = ToolMode::ALL.map(|mode| Entry {
+    let modes = ToolMode::ALL.map(|mode| ToolEntry {
         name: mode_name(mode).to_string(),
         chosen: shows_mode && tool.mode == mode,
         action: Action::Mode(mode),
@@ -73,43 +74,43 @@ pub fn content(
     group(ui, state, "Solids", |ui| {
         tools(ui, context, &solids, look, requests);
         ui.add_space(2.0);
-        tools(ui, context, &modes, Look::Bare, requests);
+        tools(ui, context, &modes, ButtonStyle::Bare, requests);
     });
-    let drawn: Vec<Entry> = DrawKind::ALL
+    let drawn: Vec<ToolEntry> = DrawKind::ALL
         .into_iter()
         .filter(|kind| !context.in_headset || kind.spec().by_hand)
-        .map(|kind| Entry {
+        .map(|kind| ToolEntry {
             name: kind.spec().label.to_string(),
             chosen: tool.kind == ToolKind::Draw(kind),
             action: Action::Draw(kind),
         })
         .collect();
-    group(ui, state, "Drawn solids", |ui| tools(ui, context, &drawn, Look::Bare, requests));
-    let brush = |brush: BrushId| Entry {
+    group(ui, state, "Drawn solids", |ui| tools(ui, context, &drawn, ButtonStyle::Bare, requests));
+    let brush = |brush: BrushId| ToolEntry {
         name: brush.spec().label.to_string(),
         chosen: tool.kind == ToolKind::Brush(brush),
         action: Action::Brush(brush),
     };
-    let of_group = |group: BrushGroup| -> Vec<Entry> {
+    let of_group = |group: BrushGroup| -> Vec<ToolEntry> {
         let all = BrushId::ALL.iter().copied();
         all.filter(|brush| brush.spec().group == group).map(brush).collect()
     };
-    let marker = Entry {
+    let marker = ToolEntry {
         name: "Marker".to_string(),
         chosen: tool.kind == ToolKind::Marker,
         action: Action::Marker,
     };
     // The inverse of the mask's brush removes protection.
     let selecting = [marker, brush(BrushId::Mask)];
-    group(ui, state, "Selection", |ui| tools(ui, context, &selecting, Look::Full, requests));
+    group(ui, state, "Selection", |ui| tools(ui, context, &selecting, ButtonStyle::Full, requests));
     let brushes = of_group(BrushGroup::Surface);
-    group(ui, state, "Brushes", |ui| tools(ui, context, &brushes, Look::Full, requests));
+    group(ui, state, "Brushes", |ui| tools(ui, context, &brushes, ButtonStyle::Full, requests));
     let deforming = of_group(BrushGroup::Deform);
     group(ui, state, "Deform", |ui| tools(ui, context, &deforming, look, requests));
 }
 
 /// A tool to choose.
-struct Entry {
+struct ToolEntry {
     name: String,
     chosen: bool,
     action: Action,
@@ -117,7 +118,7 @@ struct Entry {
 
 /// The parts of a tool shown on its button.
 #[derive(Clone, Copy, PartialEq)]
-enum Look {
+enum ButtonStyle {
     /// Its picture over its name.
     Full,
     /// Its picture; the name is in the tooltip.
@@ -133,15 +134,15 @@ fn group(ui: &mut Ui, state: &mut UiState, title: &str, content: impl FnOnce(&mu
 fn tools(
     ui: &mut Ui,
     context: &UiContext,
-    entries: &[Entry],
-    look: Look,
+    entries: &[ToolEntry],
+    look: ButtonStyle,
     requests: &mut Vec<UiRequest>,
 ) {
     let gap = ui.spacing().item_spacing.x;
     let fitting = |least: f32| ((ui.available_width() + gap) / (least + gap)) as usize;
     let columns = match look {
-        Look::Full => theme::toolbox_columns(ui.available_width()),
-        Look::Bare => fitting(BARE_WIDTH).clamp(1, entries.len().max(1)),
+        ButtonStyle::Full => theme::toolbox_columns(ui.available_width()),
+        ButtonStyle::Bare => fitting(BARE_WIDTH).clamp(1, entries.len().max(1)),
     };
     let gaps = gap * (columns - 1) as f32;
     let width = (ui.available_width() - gaps) / columns as f32;
@@ -157,13 +158,13 @@ fn tool(
     ui: &mut Ui,
     context: &UiContext,
     width: f32,
-    entry: &Entry,
-    look: Look,
+    entry: &ToolEntry,
+    look: ButtonStyle,
     requests: &mut Vec<UiRequest>,
 ) {
-    let Entry { name, chosen, action } = entry;
+    let ToolEntry { name, chosen, action } = entry;
     let (chosen, action) = (*chosen, *action);
-    let size = vec2(width, if look == Look::Bare { ICON + 6.0 } else { ICON + 22.0 });
+    let size = vec2(width, if look == ButtonStyle::Bare { ICON + 6.0 } else { ICON + 22.0 });
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
     response.widget_info(|| {
         WidgetInfo::selected(WidgetType::SelectableLabel, ui.is_enabled(), chosen, name)
@@ -178,7 +179,7 @@ fn tool(
             egui::StrokeKind::Inside,
         );
     }
-    let middle = if look == Look::Bare { rect.height() / 2.0 } else { 5.0 + ICON / 2.0 };
+    let middle = if look == ButtonStyle::Bare { rect.height() / 2.0 } else { 5.0 + ICON / 2.0 };
     let icon = Rect::from_center_size(rect.center_top() + vec2(0.0, middle), vec2(ICON, ICON));
     let colour = visuals.text_color();
     match action {
@@ -197,7 +198,7 @@ fn tool(
         Action::Marker => icons::marker(ui.painter(), icon.shrink(2.0), colour),
         _ => {}
     }
-    if look != Look::Bare {
+    if look != ButtonStyle::Bare {
         let below = rect.center_bottom() - vec2(0.0, 4.0);
         let font = egui::TextStyle::Small.resolve(ui.style());
         ui.painter().text(below, egui::Align2::CENTER_BOTTOM, name, font, colour);

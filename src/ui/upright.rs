@@ -66,7 +66,7 @@ struct Asked<'a> {
 }
 
 #[derive(Clone, Copy, PartialEq)]
-enum Answer {
+enum UprightAnswer {
     None,
     Up(Up),
     Dismissed,
@@ -86,8 +86,8 @@ impl<'a> Asked<'a> {
         asked.then_some(Asked { path, ending, assumed, sculpture })
     }
 
-    fn show(&self, ui: &mut Ui) -> Answer {
-        let mut answer = Answer::None;
+    fn show(&self, ui: &mut Ui) -> UprightAnswer {
+        let mut answer = UprightAnswer::None;
         ui.label("Which axis points up?");
         for (up, _) in Up::NAMED {
             let button = Button::selectable(up == self.assumed, label(up));
@@ -97,19 +97,19 @@ impl<'a> Asked<'a> {
             };
             let hint = format!("{what}; .{} files open that way from now on", self.ending);
             if ui.add(button).on_hover_text(hint).clicked() {
-                answer = Answer::Up(up);
+                answer = UprightAnswer::Up(up);
             }
         }
         let close = ui.add(Button::new("✖").frame(false));
         if close.on_hover_text("Leave it as it is").clicked() {
-            answer = Answer::Dismissed;
+            answer = UprightAnswer::Dismissed;
         }
         answer
     }
 
-    fn take(&self, answer: Answer, state: &mut UiState, requests: &mut Vec<UiRequest>) {
+    fn take(&self, answer: UprightAnswer, state: &mut UiState, requests: &mut Vec<UiRequest>) {
         let Asked { path, ending, assumed, sculpture } = self;
-        if let Answer::Up(up) = answer {
+        if let UprightAnswer::Up(up) = answer {
             state.known_files.upright.remember(path, up);
             state.known_files.recent.set_upright(path, up);
             state.toasts.note(format!(".{ending} files open with {} from now on", label(up)));
@@ -120,7 +120,7 @@ impl<'a> Asked<'a> {
                 requests.push(UiRequest::Run(Command::Orient(lying.then(up.turned_upright()))));
             }
         }
-        if answer == Answer::Dismissed || answer == Answer::Up(*assumed) {
+        if answer == UprightAnswer::Dismissed || answer == UprightAnswer::Up(*assumed) {
             state.known_files.upright.dismissed = Some(*sculpture);
         }
     }

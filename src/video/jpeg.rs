@@ -23,7 +23,7 @@ const AVI1: [u8; 9] = [0xFF, 0xE0, 0, 7, b'A', b'V', b'I', b'1', 0];
 
 /// The position of the splitter in a picture.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Place {
+enum JpegState {
     /// Before a picture.
     Outside,
     /// Between segments: an 0xFF must follow.
@@ -43,7 +43,7 @@ enum Place {
 /// Cuts a stream of bytes into pictures, and counts discarded ones.
 #[derive(Debug)]
 pub struct Splitter {
-    place: Place,
+    place: JpegState,
     /// The last byte outside was 0xFF.
     after_ff: bool,
     has_tables: bool,
@@ -57,7 +57,7 @@ pub struct Splitter {
 impl Splitter {
     pub fn new() -> Splitter {
         Splitter {
-            place: Place::Outside,
+            place: JpegState::Outside,
             after_ff: false,
             has_tables: false,
             picture: Vec::new(),
@@ -74,31 +74,31 @@ impl Splitter {
             // The two states with most bytes skip ahead.
             let rest = &bytes[used..];
             match self.place {
-                Place::Segment { left, code } => {
+                JpegState::Segment { left, code } => {
                     let n = left.min(rest.len());
                     self.picture.extend_from_slice(&rest[..n]);
                     used += n;
                     self.place = match left - n {
-                        0 if code == SOS => Place::Data,
-                        0 => Place::Marker,
-                        left => Place::Segment { left, code },
+                        0 if code == SOS => JpegState::Data,
+                        0 => JpegState::Marker,
+                        left => JpegState::Segment { left, code },
                     };
                 }
-                Place::Data => {
+                JpegState::Data => {
                     let n = rest.iter().position(|&b| b == 0xFF).unwrap_or(rest.len());
                     self.picture.extend_from_slice(&rest[..n]);
                     used += n;
                     if n < rest.len() {
                         self.picture.push(0xFF);
                         used += 1;
-                        self.place = Place::DataCode;
+                        self.place = JpegState::DataCode;
                     }
                 }
-                Place::Outside
-                | Place::Marker
-                | Place::Code
-                | Place::Length { .. }
-                | Place::DataCode => {
+                JpegState::Outside
+                | JpegState::Marker
+                | JpegState::Code
+                | JpegState::Length { .. }
+                | JpegState::DataCode => {
                     used += 1;
                     if self.step(byte) {
                         return (used, true);
@@ -114,7 +114,7 @@ impl Splitter {
 
     /// Consumes a single byte. Returns true at the end of a picture.
     fn step(&mut self, byte: u8) -> bool {
-        if self.place == Place::Outside {
+        if self.place == JpegState::Outside {
             self.outside += 1;
             if self.after_ff && byte == SOI {
                 self.begin();
@@ -124,41 +124,43 @@ impl Splitter {
         }
         self.picture.push(byte);
         match (self.place, byte) {
-            (Place::Marker, 0xFF) => self.place = Place::Code,
-            (Place::Marker, _) => self.give_up(),
+            (JpegState::Marker, 0xFF) => self.place = JpegState::Code,
+            (JpegState::Marker, _) => self.give_up(),
             // Fill bytes before a marker, and escaped or restart codes in data.
-            (Place::Code | Place::DataCode, 0xFF) => {}
-            (Place::DataCode, 0 | 0xD0..=0xD7) => self.place = Place::Data,
-            (Place::Code | Place::DataCode, SOI) => {
+            (JpegState::Code | JpegState::DataCode, 0xFF) => {}
+            (JpegState::DataCode, 0 | 0xD0..=0xD7) => self.place = JpegState::Data,
+            (JpegState::Code | JpegState::DataCode, SOI) => {
                 // The picture was cut off; this is the next one.
                 self.broken += 1;
                 self.begin();
             }
-            (Place::Code | Place::DataCode, EOI) => {
-                self.place = Place::Outside;
+            (JpegState::Code | JpegState::DataCode, EOI) => {
+                self.place = JpegState::Outside;
                 self.outside = 0;
                 return true;
             }
             // Markers without a segment.
-            (Place::Code | Place::DataCode, 0x01 | 0xD0..=0xD7) => self.place = Place::Marker,
-            (Place::Code | Place::DataCode, 0..=0xBF) => self.give_up(),
-            (Place::Code | Place::DataCode, code) => {
+            (JpegState::Code | JpegState::DataCode, 0x01 | 0xD0..=0xD7) => {
+                self.place = JpegState::Marker
+            }
+            (JpegState::Code | JpegState::DataCode, 0..=0xBF) => self.give_up(),
+            (JpegState::Code | JpegState::DataCode, code) => {
                 self.has_tables |= code == DHT;
-                self.place = Place::Length { code, high: None };
+                self.place = JpegState::Length { code, high: None };
             }
-            (Place::Length { code, high: None }, _) => {
-                self.place = Place::Length { code, high: Some(byte) };
+            (JpegState::Length { code, high: None }, _) => {
+                self.place = JpegState::Length { code, high: Some(byte) };
             }
-            (Place::Length { code, high: Some(high) }, _) => {
+            (JpegState::Length { code, high: Some(high) }, _) => {
                 let length = usize::from(u16::from_be_bytes([high, byte]));
                 match length.checked_sub(2) {
                     None => self.give_up(),
-                    Some(0) if code == SOS => self.place = Place::Data,
-                    Some(0) => self.place = Place::Marker,
-                    Some(left) => self.place = Place::Segment { left, code },
+                    Some(0) if code == SOS => self.place = JpegState::Data,
+                    Some(0) => self.place = JpegState::Marker,
+                    Some(left) => self.place = JpegState::Segment { left, code },
                 }
             }
-            (Place::Outside | Place::Segment { .. } | Place::Data, _) => {}
+            (JpegState::Outside | JpegState::Segment { .. } | JpegState::Data, _) => {}
         }
         false
     }
@@ -168,14 +170,14 @@ impl Splitter {
         self.picture.extend_from_slice(&[0xFF, SOI]);
         self.has_tables = false;
         self.after_ff = false;
-        self.place = Place::Marker;
+        self.place = JpegState::Marker;
     }
 
     fn give_up(&mut self) {
         self.broken += 1;
         self.picture.clear();
         self.after_ff = false;
-        self.place = Place::Outside;
+        self.place = JpegState::Outside;
     }
 
     /// Swaps the picture announced by [`Splitter::feed`] for an old buffer. It can be decoded on its own: standard
@@ -190,7 +192,7 @@ impl Splitter {
 
     /// Drops a partial picture, as at the end of a film, and starts over.
     pub fn reset(&mut self) {
-        if self.place != Place::Outside {
+        if self.place != JpegState::Outside {
             self.give_up();
         }
         self.outside = 0;

@@ -55,8 +55,8 @@ pub use intrinsics::{Intrinsics, IntrinsicsError};
 pub use marker_eye::MarkerPlacement;
 pub use options::VideoOptions;
 pub use rate::Rate;
-pub use slot::{State, Stats};
+pub use slot::{PlaybackState, Stats};
 pub use source::VideoSource;
 #[cfg(target_os = "linux")]
 pub use v4l2::{CameraInfo, CameraMode, cameras};
-pub use yuv::{Layout, LineBuffers, Planes, to_rgba};
+pub use yuv::{LineBuffers, YuvLayout, YuvPicture, to_rgba};

@@ -7,10 +7,10 @@ use std::time::{Duration, Instant};
 use super::error::{VideoError, guarded};
 use super::frame::VideoFrame;
 use super::reader::{Decoded, Fetched, OwnerWatch, Reader};
-use super::slot::{Slot, State, lock};
+use super::slot::{FrameSlot, PlaybackState, lock};
 
 /// Opens a reader; called again after each loss of a camera.
-pub type Open = Box<dyn FnMut(&OwnerWatch) -> Result<Box<dyn Reader>, VideoError> + Send>;
+pub type OpenReader = Box<dyn FnMut(&OwnerWatch) -> Result<Box<dyn Reader>, VideoError> + Send>;
 
 /// The playback of a source.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -39,27 +39,33 @@ const LONGEST_SKIP: Duration = Duration::from_millis(250);
 
 /// The reason for the end of a session without an error.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Done {
+enum SessionEnd {
     Stopped,
     Over,
 }
 
 /// Runs until the film ends or `stop` is signalled.
-pub fn run(subject: &str, mut open: Open, play: Play, slot: &Arc<Mutex<Slot>>, stop: &OwnerWatch) {
+pub fn run(
+    subject: &str,
+    mut open: OpenReader,
+    play: Play,
+    slot: &Arc<Mutex<FrameSlot>>,
+    stop: &OwnerWatch,
+) {
     let mut pump = Pump { slot, stop, back: VideoFrame::empty(), sequence: 0 };
     let mut wait = Duration::ZERO;
     loop {
         let seen = pump.sequence;
         let error = match guarded(subject, || pump.session(subject, &mut open, play)) {
-            Ok(Done::Stopped) => return,
-            Ok(Done::Over) => return lock(slot).state = State::Ended,
+            Ok(SessionEnd::Stopped) => return,
+            Ok(SessionEnd::Over) => return lock(slot).state = PlaybackState::Ended,
             Err(error) => Arc::new(error),
         };
         let Play::Camera { first_wait, longest_wait, .. } = play else {
-            lock(slot).state = State::Failed(error);
+            lock(slot).state = PlaybackState::Failed(error);
             return;
         };
-        lock(slot).state = State::Lost(error);
+        lock(slot).state = PlaybackState::Lost(error);
         let was_well = pump.sequence > seen;
         wait = if was_well { first_wait } else { (wait * 2).clamp(first_wait, longest_wait) };
         if stop.wait(wait) {
@@ -69,7 +75,7 @@ pub fn run(subject: &str, mut open: Open, play: Play, slot: &Arc<Mutex<Slot>>, s
 }
 
 struct Pump<'a> {
-    slot: &'a Mutex<Slot>,
+    slot: &'a Mutex<FrameSlot>,
     stop: &'a OwnerWatch,
     /// The frame being written.
     back: VideoFrame,
@@ -78,7 +84,12 @@ struct Pump<'a> {
 
 impl Pump<'_> {
     /// Runs from opening to the end or an error.
-    fn session(&mut self, subject: &str, open: &mut Open, play: Play) -> Result<Done, VideoError> {
+    fn session(
+        &mut self,
+        subject: &str,
+        open: &mut OpenReader,
+        play: Play,
+    ) -> Result<SessionEnd, VideoError> {
         let mut reader = open(self.stop)?;
         lock(self.slot).stats.opened += 1;
         match play {
@@ -92,7 +103,7 @@ impl Pump<'_> {
         subject: &str,
         reader: &mut dyn Reader,
         silence: Duration,
-    ) -> Result<Done, VideoError> {
+    ) -> Result<SessionEnd, VideoError> {
         let mut last_good = Instant::now();
         let mut trouble = None;
         while !self.stop.asked() {
@@ -113,7 +124,7 @@ impl Pump<'_> {
                     }
                 }
                 Fetched::Idle => {}
-                Fetched::End => return Ok(Done::Over),
+                Fetched::End => return Ok(SessionEnd::Over),
             }
             if last_good.elapsed() > silence {
                 let seconds = silence.as_secs();
@@ -122,7 +133,7 @@ impl Pump<'_> {
                 );
             }
         }
-        Ok(Done::Stopped)
+        Ok(SessionEnd::Stopped)
     }
 
     fn show_film(
@@ -130,7 +141,7 @@ impl Pump<'_> {
         subject: &str,
         reader: &mut dyn Reader,
         repeat: bool,
-    ) -> Result<Done, VideoError> {
+    ) -> Result<SessionEnd, VideoError> {
         let mut start = Instant::now();
         let mut last_shown = start;
         let mut shown = 0_u64;
@@ -147,7 +158,7 @@ impl Pump<'_> {
                         VideoError::malformed(subject, "the video contains no pictures")
                     }));
                 }
-                Fetched::End if !repeat => return Ok(Done::Over),
+                Fetched::End if !repeat => return Ok(SessionEnd::Over),
                 Fetched::End => {
                     start += reader.rewind()?;
                     shown = 0;
@@ -179,7 +190,7 @@ impl Pump<'_> {
             last_shown = Instant::now();
             shown += 1;
         }
-        Ok(Done::Stopped)
+        Ok(SessionEnd::Stopped)
     }
 
     fn publish(&mut self, arrived: Instant, position: Duration) {

@@ -7,9 +7,9 @@ use std::time::{Duration, Instant};
 
 use super::error::VideoError;
 use super::frame::VideoFrame;
-use super::pump::{Open, Play};
+use super::pump::{OpenReader, Play};
 use super::reader::{Decoded, Fetched, OwnerWatch, Reader};
-use super::slot::State;
+use super::slot::PlaybackState;
 use super::source::VideoSource;
 
 /// The action of a reader at one call of fetch (and the decode after it).
@@ -72,7 +72,7 @@ impl Reader for Scripted {
 fn source(scripts: &[&[Act]], play: Play) -> (VideoSource, Sender<()>) {
     let mut scripts: VecDeque<Vec<Act>> = scripts.iter().map(|acts| acts.to_vec()).collect();
     let (go, gate) = mpsc::channel();
-    let open: Open = Box::new(move |_: &OwnerWatch| {
+    let open: OpenReader = Box::new(move |_: &OwnerWatch| {
         gate.recv().map_err(|_| failure())?;
         let all = scripts.pop_front().ok_or_else(failure)?;
         let reader: Box<dyn Reader> =
@@ -107,14 +107,14 @@ fn error_of(source: &VideoSource) -> String {
 fn a_lost_camera_comes_back_and_its_last_frame_stays() {
     let scripts: [&[Act]; 2] = [&[Act::Give(0), Act::Fail], &[Act::Give(0), Act::Give(1)]];
     let (mut source, go) = source(&scripts, CAMERA);
-    until(&mut source, |s| matches!(s.state(), State::Lost(_)));
+    until(&mut source, |s| matches!(s.state(), PlaybackState::Lost(_)));
     assert!(error_of(&source).contains("as told"));
     assert!(source.frame().is_some_and(|frame| frame.sequence == 1));
     go.send(()).unwrap();
     until(&mut source, |s| s.stats().decoded == 3);
     assert_eq!(source.stats().opened, 2);
     // Nothing more comes, and silence is a loss.
-    until(&mut source, |s| matches!(s.state(), State::Lost(_)));
+    until(&mut source, |s| matches!(s.state(), PlaybackState::Lost(_)));
     assert!(error_of(&source).contains("no picture"));
     assert!(source.frame().is_some_and(|frame| frame.sequence == 3));
     // Opening fails from now on.
@@ -126,7 +126,7 @@ fn a_lost_camera_comes_back_and_its_last_frame_stays() {
 #[test]
 fn a_camera_is_sought_at_growing_intervals() {
     let (note, tries) = mpsc::channel();
-    let open: Open = Box::new(move |_: &OwnerWatch| {
+    let open: OpenReader = Box::new(move |_: &OwnerWatch| {
         let _ = note.send(Instant::now());
         Err(failure())
     });
@@ -145,7 +145,7 @@ fn a_panic_and_broken_pictures_are_losses_not_ends() {
     go.send(()).unwrap();
     until(&mut source, |s| error_of(s).contains("as told"));
     go.send(()).unwrap();
-    until(&mut source, |s| matches!(s.state(), State::Live));
+    until(&mut source, |s| matches!(s.state(), PlaybackState::Live));
     assert_eq!(source.stats().broken, 2);
 }
 
@@ -158,20 +158,20 @@ fn a_film_keeps_its_pace_and_repeats() {
     until(&mut source, |s| s.frame().is_some_and(|frame| frame.sequence >= 6));
     assert!(start.elapsed() >= Duration::from_millis(50));
     let stats = source.stats();
-    assert!(matches!(source.state(), State::Live) && stats.opened == 1, "{stats:?}");
+    assert!(matches!(source.state(), PlaybackState::Live) && stats.opened == 1, "{stats:?}");
 }
 
 #[test]
 fn a_film_ends_or_fails_and_keeps_its_last_frame() {
     let (mut ended, _) = source(&[&[Act::Give(0), Act::End]], Play::Film { repeat: false });
-    until(&mut ended, |s| matches!(s.state(), State::Ended));
+    until(&mut ended, |s| matches!(s.state(), PlaybackState::Ended));
     assert!(ended.frame().is_some());
     let (mut failed, _) = source(&[&[Act::Give(0), Act::Fail]], Play::Film { repeat: true });
-    until(&mut failed, |s| matches!(s.state(), State::Failed(_)));
+    until(&mut failed, |s| matches!(s.state(), PlaybackState::Failed(_)));
     assert!(failed.frame().is_some() && failed.stats().opened == 1);
     for acts in [&[Act::End][..], &[Act::Broken, Act::End], &[Act::Panic]] {
         let (mut none, _) = source(&[acts], Play::Film { repeat: true });
-        until(&mut none, |s| matches!(s.state(), State::Failed(_)));
+        until(&mut none, |s| matches!(s.state(), PlaybackState::Failed(_)));
         assert!(none.frame().is_none());
     }
 }
@@ -181,7 +181,7 @@ fn a_slow_machine_drops_frames_and_not_time() {
     // 200 frames that were all due already: far fewer are decoded, and the last is reached.
     let film: Vec<Act> = (0..200).map(|_| Act::Give(0)).chain([Act::Give(150), Act::End]).collect();
     let (mut source, _) = source(&[&film], Play::Film { repeat: false });
-    until(&mut source, |s| matches!(s.state(), State::Ended));
+    until(&mut source, |s| matches!(s.state(), PlaybackState::Ended));
     let stats = source.stats();
     assert!(stats.stale > 100 && stats.decoded + stats.stale == 201, "{stats:?}");
     assert_eq!(source.frame().map(|frame| frame.position), Some(Duration::from_millis(150)));
@@ -207,7 +207,7 @@ fn dropping_a_source_stops_its_thread() {
     let alive = Arc::new(());
     for play in [CAMERA, Play::Film { repeat: true }] {
         let note = Arc::clone(&alive);
-        let open: Open = Box::new(move |_: &OwnerWatch| {
+        let open: OpenReader = Box::new(move |_: &OwnerWatch| {
             // A film whose next frame is due in an hour.
             let all = vec![Act::Give(0), Act::Give(3_600_000)];
             let script = Scripted { acts: all.clone().into(), all, now: Act::Idle };

@@ -8,7 +8,7 @@ use super::frame::VideoFrame;
 
 /// The state of a source.
 #[derive(Clone, Debug)]
-pub enum State {
+pub enum PlaybackState {
     /// Being opened for the first time.
     Opening,
     /// Frames are coming.
@@ -21,12 +21,12 @@ pub enum State {
     Failed(Arc<VideoError>),
 }
 
-impl State {
-    /// Returns the reason for [`State::Lost`] and [`State::Failed`].
+impl PlaybackState {
+    /// Returns the reason for [`PlaybackState::Lost`] and [`PlaybackState::Failed`].
     pub fn error(&self) -> Option<&VideoError> {
         match self {
-            State::Lost(error) | State::Failed(error) => Some(error),
-            State::Opening | State::Live | State::Ended => None,
+            PlaybackState::Lost(error) | PlaybackState::Failed(error) => Some(error),
+            PlaybackState::Opening | PlaybackState::Live | PlaybackState::Ended => None,
         }
     }
 }
@@ -48,19 +48,19 @@ pub struct Stats {
 
 /// Shared by the decoding thread and the reader.
 #[derive(Debug)]
-pub struct Slot {
+pub struct FrameSlot {
     frame: VideoFrame,
     fresh: bool,
-    pub state: State,
+    pub state: PlaybackState,
     pub stats: Stats,
 }
 
-impl Slot {
-    pub fn new() -> Slot {
-        Slot {
+impl FrameSlot {
+    pub fn new() -> FrameSlot {
+        FrameSlot {
             frame: VideoFrame::empty(),
             fresh: false,
-            state: State::Opening,
+            state: PlaybackState::Opening,
             stats: Stats::default(),
         }
     }
@@ -71,7 +71,7 @@ impl Slot {
         self.stats.decoded += 1;
         self.stats.unseen += u64::from(self.fresh);
         self.fresh = true;
-        self.state = State::Live;
+        self.state = PlaybackState::Live;
     }
 
     /// Swaps the newest frame out, leaving the reader's old one for its allocation. Returns false if none has come
@@ -87,7 +87,7 @@ impl Slot {
 }
 
 /// Returns the slot, even if a thread panicked while holding it: every change to it is complete.
-pub fn lock(slot: &Mutex<Slot>) -> MutexGuard<'_, Slot> {
+pub fn lock(slot: &Mutex<FrameSlot>) -> MutexGuard<'_, FrameSlot> {
     slot.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -98,7 +98,7 @@ mod tests {
     #[test]
     fn newest_frame_wins_and_three_buffers_serve() {
         let (mut slot, mut back, mut front) =
-            (Slot::new(), VideoFrame::empty(), VideoFrame::empty());
+            (FrameSlot::new(), VideoFrame::empty(), VideoFrame::empty());
         assert!(!slot.take(&mut front));
         let mut buffers = std::collections::HashSet::new();
         for sequence in 1..=99 {

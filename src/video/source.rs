@@ -12,9 +12,9 @@ use super::frame::VideoFrame;
 use super::http::HttpCamera;
 use super::mjpeg::Mjpeg;
 use super::png_folder::PngFolder;
-use super::pump::{self, Open, Play};
+use super::pump::{self, OpenReader, Play};
 use super::reader::{OwnerWatch, Reader, Running};
-use super::slot::{Slot, State, Stats};
+use super::slot::{FrameSlot, PlaybackState, Stats};
 #[cfg(target_os = "linux")]
 use super::v4l2::V4l2Camera;
 use super::y4m::Y4m;
@@ -25,10 +25,10 @@ const LAST_WAIT: Duration = Duration::from_millis(250);
 /// Frames from a camera, a film or a phone, decoded on a separate thread that ends with this value.
 #[derive(Debug)]
 pub struct VideoSource {
-    slot: Arc<Mutex<Slot>>,
+    slot: Arc<Mutex<FrameSlot>>,
     /// The frame polled last.
     front: VideoFrame,
-    state: State,
+    state: PlaybackState,
     stats: Stats,
     /// Taken on drop, in this order: stop signal, end signal, thread.
     running: Option<Running>,
@@ -42,7 +42,7 @@ impl VideoSource {
     /// # Errors
     /// If no thread can be started, or this system has no such cameras.
     pub fn open(address: &Address) -> Result<VideoSource, VideoError> {
-        let (subject, open, play): (String, Open, Play) = match address.clone() {
+        let (subject, open, play): (String, OpenReader, Play) = match address.clone() {
             Address::Film(film) => (
                 film.path.display().to_string(),
                 Box::new(move |_: &OwnerWatch| -> Result<Box<dyn Reader>, VideoError> {
@@ -82,10 +82,10 @@ impl VideoSource {
     /// Starts the thread with any reader.
     pub(super) fn start(
         subject: String,
-        open: Open,
+        open: OpenReader,
         play: Play,
     ) -> Result<VideoSource, VideoError> {
-        let slot = Arc::new(Mutex::new(Slot::new()));
+        let slot = Arc::new(Mutex::new(FrameSlot::new()));
         let (running, stop) = OwnerWatch::new();
         let (finish, finished) = mpsc::channel();
         let (for_thread, name) = (Arc::clone(&slot), subject.clone());
@@ -100,7 +100,7 @@ impl VideoSource {
         Ok(VideoSource {
             slot,
             front: VideoFrame::empty(),
-            state: State::Opening,
+            state: PlaybackState::Opening,
             stats: Stats::default(),
             running: Some(running),
             finished,
@@ -129,7 +129,7 @@ impl VideoSource {
     }
 
     /// Returns the state as of the last [`VideoSource::poll`].
-    pub fn state(&self) -> &State {
+    pub fn state(&self) -> &PlaybackState {
         &self.state
     }
 

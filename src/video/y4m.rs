@@ -14,25 +14,25 @@ use super::error::VideoError;
 use super::frame::{VideoFrame, check_size};
 use super::rate::Rate;
 use super::reader::{Decoded, Fetched, Reader};
-use super::yuv::{Layout, LineBuffers, Planes, to_rgba};
+use super::yuv::{LineBuffers, YuvLayout, YuvPicture, to_rgba};
 
 /// Longest header line, bytes.
 const MAX_LINE: usize = 1024;
 
 /// The contents of the header line.
 #[derive(Clone, Copy, PartialEq, Debug)]
-struct Header {
+struct Y4mHeader {
     width: u32,
     height: u32,
     rate: Option<Rate>,
-    layout: Layout,
+    layout: YuvLayout,
     range: Option<Range>,
 }
 
 pub struct Y4m {
     file: BufReader<File>,
     subject: String,
-    header: Header,
+    header: Y4mHeader,
     rate: Rate,
     colour: Colour,
     /// Offset of the first `FRAME`.
@@ -49,7 +49,7 @@ impl Y4m {
         let (file, subject) = address.open_file()?;
         let mut file = BufReader::with_capacity(1 << 16, file);
         let line = read_line(&mut file, &subject)?.unwrap_or_default();
-        let header = Header::parse(&line, &subject)?;
+        let header = Y4mHeader::parse(&line, &subject)?;
         check_size(u64::from(header.width), u64::from(header.height), &subject)?;
         let (width, height) = (header.width as usize, header.height as usize);
         let picture_len = header.layout.byte_len(height, width).unwrap_or(usize::MAX);
@@ -96,10 +96,10 @@ impl Reader for Y4m {
     }
 
     fn decode(&mut self, frame: &mut VideoFrame) -> Result<Decoded, VideoError> {
-        let Header { width, height, layout, .. } = self.header;
+        let Y4mHeader { width, height, layout, .. } = self.header;
         frame.shape(width, height, &self.subject)?;
         let (width, height) = (width as usize, height as usize);
-        let planes = Planes { layout, width, height, stride: width, data: &self.picture };
+        let planes = YuvPicture { layout, width, height, stride: width, data: &self.picture };
         to_rgba(planes, self.colour, &mut self.lines, &mut frame.pixels)
             .map_err(|problem| VideoError::malformed(&*self.subject, problem))?;
         Ok(Decoded::Whole)
@@ -131,8 +131,8 @@ fn read_line(file: &mut impl BufRead, subject: &str) -> Result<Option<Vec<u8>>, 
     }
 }
 
-impl Header {
-    fn parse(line: &[u8], subject: &str) -> Result<Header, VideoError> {
+impl Y4mHeader {
+    fn parse(line: &[u8], subject: &str) -> Result<Y4mHeader, VideoError> {
         let malformed = |problem: String| VideoError::malformed(subject, problem);
         let text = std::str::from_utf8(line).unwrap_or_default();
         let mut words = text.split_ascii_whitespace();
@@ -164,11 +164,11 @@ impl Header {
             }
         }
         let layout = match chroma {
-            "420" | "420jpeg" | "420mpeg2" | "420paldv" => Layout::Planar { across: 1, down: 1 },
-            "422" => Layout::Planar { across: 1, down: 0 },
-            "444" => Layout::Planar { across: 0, down: 0 },
-            "411" => Layout::Planar { across: 2, down: 0 },
-            "mono" => Layout::Grey,
+            "420" | "420jpeg" | "420mpeg2" | "420paldv" => YuvLayout::Planar { across: 1, down: 1 },
+            "422" => YuvLayout::Planar { across: 1, down: 0 },
+            "444" => YuvLayout::Planar { across: 0, down: 0 },
+            "411" => YuvLayout::Planar { across: 2, down: 0 },
+            "mono" => YuvLayout::Grey,
             other => {
                 let problem = format!(
                     "samples of type C{other} are not supported; C420, C422, C444, C411 and Cmono are"
@@ -177,7 +177,7 @@ impl Header {
             }
         };
         let missing = |what| malformed(format!("the header gives no {what}"));
-        Ok(Header {
+        Ok(Y4mHeader {
             width: width.ok_or_else(|| missing("width"))?,
             height: height.ok_or_else(|| missing("height"))?,
             rate,
@@ -191,13 +191,13 @@ impl Header {
 mod tests {
     use super::*;
 
-    fn parse(text: &str) -> Result<Header, VideoError> {
-        Header::parse(text.as_bytes(), "film")
+    fn parse(text: &str) -> Result<Y4mHeader, VideoError> {
+        Y4mHeader::parse(text.as_bytes(), "film")
     }
 
     #[test]
     fn headers_of_the_field() {
-        let planar = |across, down| Layout::Planar { across, down };
+        let planar = |across, down| YuvLayout::Planar { across, down };
         let plain =
             parse("YUV4MPEG2 W640 H480 F30000:1001 Ip A1:1 C420jpeg XYSCSS=420JPEG").unwrap();
         assert_eq!((plain.width, plain.height, plain.layout), (640, 480, planar(1, 1)));
@@ -209,7 +209,7 @@ mod tests {
             ("422", planar(1, 0)),
             ("444", planar(0, 0)),
             ("411", planar(2, 0)),
-            ("mono", Layout::Grey),
+            ("mono", YuvLayout::Grey),
         ] {
             let text = format!("YUV4MPEG2 C{kind} H2 W3 F0:0 XCOLORRANGE=FULL");
             let header = parse(&text).unwrap();

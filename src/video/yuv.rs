@@ -13,7 +13,7 @@ use super::colour::Colour;
 
 /// The memory layout of a picture's samples.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Layout {
+pub enum YuvLayout {
     /// Y0 Cb Y1 Cr: 4:2:2 in one plane.
     Yuyv,
     /// Cb Y0 Cr Y1: 4:2:2 in one plane.
@@ -28,8 +28,8 @@ pub enum Layout {
 
 /// A raw picture.
 #[derive(Clone, Copy, Debug)]
-pub struct Planes<'a> {
-    pub layout: Layout,
+pub struct YuvPicture<'a> {
+    pub layout: YuvLayout,
     /// Pixels.
     pub width: usize,
     /// Pixels.
@@ -40,14 +40,14 @@ pub struct Planes<'a> {
     pub data: &'a [u8],
 }
 
-impl Layout {
+impl YuvLayout {
     /// Returns the smallest line stride of the first plane, in bytes.
     pub fn least_stride(self, width: usize) -> usize {
         match self {
-            Layout::Yuyv | Layout::Uyvy => width.div_ceil(2) * 4,
+            YuvLayout::Yuyv | YuvLayout::Uyvy => width.div_ceil(2) * 4,
             // Pairs need an even number of bytes.
-            Layout::Nv12 => width.next_multiple_of(2),
-            Layout::Planar { .. } | Layout::Grey => width,
+            YuvLayout::Nv12 => width.next_multiple_of(2),
+            YuvLayout::Planar { .. } | YuvLayout::Grey => width,
         }
     }
 
@@ -55,9 +55,9 @@ impl Layout {
     pub fn byte_len(self, height: usize, stride: usize) -> Option<usize> {
         let luma = stride.checked_mul(height)?;
         let colour = match self {
-            Layout::Yuyv | Layout::Uyvy | Layout::Grey => 0,
-            Layout::Nv12 => stride.checked_mul(height.div_ceil(2))?,
-            Layout::Planar { across, down } => {
+            YuvLayout::Yuyv | YuvLayout::Uyvy | YuvLayout::Grey => 0,
+            YuvLayout::Nv12 => stride.checked_mul(height.div_ceil(2))?,
+            YuvLayout::Planar { across, down } => {
                 let (w, h) = (stride.div_ceil(1 << across), height.div_ceil(1 << down));
                 w.checked_mul(h)?.checked_mul(2)?
             }
@@ -109,12 +109,12 @@ impl Factors {
 /// # Errors
 /// A message, if `data`, `stride` or `out` are too short for the picture.
 pub fn to_rgba(
-    planes: Planes,
+    planes: YuvPicture,
     colour: Colour,
     lines: &mut LineBuffers,
     out: &mut [u8],
 ) -> Result<(), String> {
-    let Planes { layout, width, height, stride, data } = planes;
+    let YuvPicture { layout, width, height, stride, data } = planes;
     if width == 0 || height == 0 {
         return Ok(());
     }
@@ -136,16 +136,16 @@ pub fn to_rgba(
 #[inline(always)]
 fn convert<S: Simd>(
     _: S,
-    planes: Planes,
+    planes: YuvPicture,
     factors: Factors,
     lines: &mut LineBuffers,
     out: &mut [u8],
 ) {
-    let Planes { layout, width, height, stride, data } = planes;
+    let YuvPicture { layout, width, height, stride, data } = planes;
     for plane in [&mut lines.luma, &mut lines.cb, &mut lines.cr] {
         plane.resize(width.next_multiple_of(2), 128);
     }
-    if layout == Layout::Grey {
+    if layout == YuvLayout::Grey {
         lines.cb.fill(128);
         lines.cr.fill(128);
     }
@@ -153,9 +153,9 @@ fn convert<S: Simd>(
     for (y, out) in out.chunks_exact_mut(width * 4).take(height).enumerate() {
         let line = &first[y * stride..][..stride];
         match layout {
-            Layout::Yuyv => unpack::<0, 1, 2, 3>(line, lines),
-            Layout::Uyvy => unpack::<1, 0, 3, 2>(line, lines),
-            Layout::Nv12 => {
+            YuvLayout::Yuyv => unpack::<0, 1, 2, 3>(line, lines),
+            YuvLayout::Uyvy => unpack::<1, 0, 3, 2>(line, lines),
+            YuvLayout::Nv12 => {
                 let pairs = &colours[y / 2 * stride..][..stride];
                 let targets =
                     lines.cb.as_chunks_mut::<2>().0.iter_mut().zip(lines.cr.as_chunks_mut::<2>().0);
@@ -164,17 +164,17 @@ fn convert<S: Simd>(
                     *to_cr = [cr; 2];
                 }
             }
-            Layout::Planar { across, down } => {
+            YuvLayout::Planar { across, down } => {
                 let (w, h) = (stride.div_ceil(1 << across), height.div_ceil(1 << down));
                 let at = (y >> down) * w;
                 spread(&colours[at..][..w], across, &mut lines.cb);
                 spread(&colours[w * h + at..][..w], across, &mut lines.cr);
             }
-            Layout::Grey => {}
+            YuvLayout::Grey => {}
         }
         let luma = match layout {
-            Layout::Yuyv | Layout::Uyvy => &lines.luma[..width],
-            Layout::Nv12 | Layout::Planar { .. } | Layout::Grey => &line[..width],
+            YuvLayout::Yuyv | YuvLayout::Uyvy => &lines.luma[..width],
+            YuvLayout::Nv12 | YuvLayout::Planar { .. } | YuvLayout::Grey => &line[..width],
         };
         convert_line(factors, luma, &lines.cb[..width], &lines.cr[..width], out);
     }

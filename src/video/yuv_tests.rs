@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::colour::{Colour, Matrix, Range};
-use super::yuv::{Layout, LineBuffers, Planes, to_rgba};
+use super::yuv::{LineBuffers, YuvLayout, YuvPicture, to_rgba};
 
 const COLOURS: [Colour; 4] = [
     Colour { matrix: Matrix::Bt601, range: Range::Limited },
@@ -12,15 +12,15 @@ const COLOURS: [Colour; 4] = [
     Colour { matrix: Matrix::Bt709, range: Range::Full },
 ];
 
-const LAYOUTS: [Layout; 8] = [
-    Layout::Yuyv,
-    Layout::Uyvy,
-    Layout::Nv12,
-    Layout::Planar { across: 1, down: 1 },
-    Layout::Planar { across: 1, down: 0 },
-    Layout::Planar { across: 0, down: 0 },
-    Layout::Planar { across: 2, down: 0 },
-    Layout::Grey,
+const LAYOUTS: [YuvLayout; 8] = [
+    YuvLayout::Yuyv,
+    YuvLayout::Uyvy,
+    YuvLayout::Nv12,
+    YuvLayout::Planar { across: 1, down: 1 },
+    YuvLayout::Planar { across: 1, down: 0 },
+    YuvLayout::Planar { across: 0, down: 0 },
+    YuvLayout::Planar { across: 2, down: 0 },
+    YuvLayout::Grey,
 ];
 
 /// Returns the colour by the published factors: Cr to red, Cb to green, Cr to green, Cb to blue (ITU-R BT.601-7,
@@ -41,30 +41,30 @@ fn reference_rgb(colour: Colour, [y, cb, cr]: [u8; 3]) -> [f64; 3] {
 }
 
 /// Returns luma, Cb and Cr of one pixel, by the definitions of the formats.
-fn sample(planes: Planes, x: usize, y: usize) -> [u8; 3] {
-    let Planes { layout, height, stride, data, .. } = planes;
+fn sample(planes: YuvPicture, x: usize, y: usize) -> [u8; 3] {
+    let YuvPicture { layout, height, stride, data, .. } = planes;
     let at = |i: usize| data[i];
     let luma = stride * height;
     match layout {
-        Layout::Yuyv => {
+        YuvLayout::Yuyv => {
             let quad = y * stride + x / 2 * 4;
             [at(quad + x % 2 * 2), at(quad + 1), at(quad + 3)]
         }
-        Layout::Uyvy => {
+        YuvLayout::Uyvy => {
             let quad = y * stride + x / 2 * 4;
             [at(quad + 1 + x % 2 * 2), at(quad), at(quad + 2)]
         }
-        Layout::Nv12 => {
+        YuvLayout::Nv12 => {
             let pair = luma + y / 2 * stride + x / 2 * 2;
             [at(y * stride + x), at(pair), at(pair + 1)]
         }
-        Layout::Planar { across, down } => {
+        YuvLayout::Planar { across, down } => {
             let (across, down) = (1 << across, 1 << down);
             let (w, h) = (stride.div_ceil(across), height.div_ceil(down));
             let place = luma + y / down * w + x / across;
             [at(y * stride + x), at(place), at(place + w * h)]
         }
-        Layout::Grey => [at(y * stride + x), 128, 128],
+        YuvLayout::Grey => [at(y * stride + x), 128, 128],
     }
 }
 
@@ -84,8 +84,13 @@ fn colours_known_by_name() {
     ];
     for ([y, cb, cr], rgb) in bars {
         let mut out = [0; 8];
-        let planes =
-            Planes { layout: Layout::Yuyv, width: 2, height: 1, stride: 4, data: &[y, cb, y, cr] };
+        let planes = YuvPicture {
+            layout: YuvLayout::Yuyv,
+            width: 2,
+            height: 1,
+            stride: 4,
+            data: &[y, cb, y, cr],
+        };
         to_rgba(planes, Colour::DEFAULT, &mut LineBuffers::default(), &mut out).unwrap();
         for channel in 0..3 {
             assert!(out[channel].abs_diff(rgb[channel]) <= 1, "{y} {cb} {cr}: {out:?}");
@@ -106,8 +111,8 @@ fn every_colour_is_within_one_step() {
                 let mut data = vec![luma; 256];
                 data.extend([cb; 256]);
                 data.extend(0..=255_u8);
-                let layout = Layout::Planar { across: 0, down: 0 };
-                let planes = Planes { layout, width: 256, height: 1, stride: 256, data: &data };
+                let layout = YuvLayout::Planar { across: 0, down: 0 };
+                let planes = YuvPicture { layout, width: 256, height: 1, stride: 256, data: &data };
                 to_rgba(planes, colour, &mut lines, &mut out).unwrap();
                 for (cr, pixel) in out.as_chunks::<4>().0.iter().enumerate() {
                     let exact = reference_rgb(colour, [luma, cb, cr as u8]);
@@ -134,7 +139,7 @@ proptest! {
         let mut lines = LineBuffers::default();
         for layout in LAYOUTS {
             let stride = (layout.least_stride(width) + slack).next_multiple_of(
-                if layout == Layout::Nv12 { 2 } else { 1 },
+                if layout == YuvLayout::Nv12 { 2 } else { 1 },
             );
             let len = layout.byte_len(height, stride).unwrap();
             let mut state = seed | 1;
@@ -144,7 +149,7 @@ proptest! {
                     (state >> 56) as u8
                 })
                 .collect();
-            let planes = Planes { layout, width, height, stride, data: &data };
+            let planes = YuvPicture { layout, width, height, stride, data: &data };
             let mut out = vec![7; width * height * 4 + 3];
             to_rgba(planes, colour, &mut lines, &mut out).unwrap();
             for y in 0..height {
@@ -162,9 +167,9 @@ proptest! {
             }
             prop_assert_eq!(&out[width * height * 4..], &[7; 3]);
             // Too short by one byte, in each of the three ways.
-            let short = Planes { data: &data[..len - 1], ..planes };
+            let short = YuvPicture { data: &data[..len - 1], ..planes };
             prop_assert!(to_rgba(short, colour, &mut lines, &mut out).is_err());
-            let narrow = Planes { stride: layout.least_stride(width) - 1, ..planes };
+            let narrow = YuvPicture { stride: layout.least_stride(width) - 1, ..planes };
             prop_assert!(to_rgba(narrow, colour, &mut lines, &mut out).is_err());
             let room = &mut out[..width * height * 4 - 1];
             prop_assert!(to_rgba(planes, colour, &mut lines, room).is_err());

@@ -49,7 +49,7 @@ struct Searched {
 
 /// The state shared by the finder's thread and [`Ar`].
 #[derive(Default)]
-struct Desk {
+struct FinderState {
     next: Option<(Arc<VideoFrame>, Intrinsics)>,
     done: Option<Searched>,
     stop: bool,
@@ -57,24 +57,24 @@ struct Desk {
 
 /// Searches for a marker on a thread of its own.
 struct Finder {
-    shared: Arc<(Mutex<Desk>, Condvar)>,
+    shared: Arc<(Mutex<FinderState>, Condvar)>,
     thread: Option<JoinHandle<()>>,
 }
 
-fn lock(desk: &Mutex<Desk>) -> MutexGuard<'_, Desk> {
+fn lock(state: &Mutex<FinderState>) -> MutexGuard<'_, FinderState> {
     // Always consistent, so a panic elsewhere does not matter.
-    desk.lock().unwrap_or_else(PoisonError::into_inner)
+    state.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Finder {
     fn start(id: u32, size_m: f64) -> std::io::Result<Finder> {
-        let shared = Arc::new((Mutex::new(Desk::default()), Condvar::new()));
+        let shared = Arc::new((Mutex::new(FinderState::default()), Condvar::new()));
         let theirs = shared.clone();
         let work = move || {
-            let (desk, news) = &*theirs;
+            let (state, news) = &*theirs;
             loop {
-                let idle = |desk: &mut Desk| desk.next.is_none() && !desk.stop;
-                let waited = news.wait_while(lock(desk), idle);
+                let idle = |state: &mut FinderState| state.next.is_none() && !state.stop;
+                let waited = news.wait_while(lock(state), idle);
                 let mut held = waited.unwrap_or_else(PoisonError::into_inner);
                 if held.stop {
                     return;
@@ -84,7 +84,7 @@ impl Finder {
                 let grey = Grey::from_rgba(frame.width, frame.height, &frame.pixels);
                 let seen = detect(&grey, &lens).into_iter().find(|sighting| sighting.id == id);
                 let found = seen.map_or(Vec::new(), |s| poses(&s.corners, size_m, lens.fx));
-                lock(desk).done = Some(Searched { frame, lens, found });
+                lock(state).done = Some(Searched { frame, lens, found });
             }
         };
         let thread = std::thread::Builder::new().name("marker".to_owned()).spawn(work)?;
@@ -92,8 +92,8 @@ impl Finder {
     }
 
     fn give(&self, frame: Arc<VideoFrame>, lens: Intrinsics) {
-        let (desk, news) = &*self.shared;
-        lock(desk).next = Some((frame, lens));
+        let (state, news) = &*self.shared;
+        lock(state).next = Some((frame, lens));
         news.notify_one();
     }
 
@@ -104,8 +104,8 @@ impl Finder {
 
 impl Drop for Finder {
     fn drop(&mut self) {
-        let (desk, news) = &*self.shared;
-        lock(desk).stop = true;
+        let (state, news) = &*self.shared;
+        lock(state).stop = true;
         news.notify_one();
         if let Some(thread) = self.thread.take() {
             // A panic there has been reported by its thread.

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
-use tracking::calibration::{Calibration, Fit, Touch, fit_touches, screen_corners_m};
+use tracking::calibration::{Calibration, CalibrationFit, Touch, fit_touches, screen_corners_m};
 use tracking::{HeadPose, Placement};
 
 /// A touch is the mean over this time, in seconds.
@@ -33,7 +33,7 @@ pub enum CalibrationFileError {
 /// The contents of the file.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Kept {
+struct CalibrationFile {
     /// Rotation from tracker axes to screen axes.
     rotation_xyzw: [f64; 4],
     /// The tracker's origin in screen axes.
@@ -45,7 +45,7 @@ struct Kept {
 pub fn read(path: &Path, eyes: Placement) -> Result<Calibration, CalibrationFileError> {
     let text = std::fs::read_to_string(path)
         .map_err(|error| CalibrationFileError::Read(path.into(), error))?;
-    let kept: Kept = toml::from_str(&text)
+    let kept: CalibrationFile = toml::from_str(&text)
         .map_err(|error| CalibrationFileError::Parse(path.into(), Box::new(error)))?;
     let rotation = DQuat::from_array(kept.rotation_xyzw);
     let placement = Placement::checked(kept.translation_m.into(), rotation);
@@ -62,7 +62,7 @@ pub fn read(path: &Path, eyes: Placement) -> Result<Calibration, CalibrationFile
 
 /// Writes a calibration under a temporary name, then renames it.
 pub fn write(path: &Path, calibration: &Calibration) -> Result<(), CalibrationFileError> {
-    let kept = Kept {
+    let kept = CalibrationFile {
         rotation_xyzw: calibration.rotation.to_array(),
         translation_m: calibration.translation_m.to_array(),
         scale: calibration.scale,
@@ -90,7 +90,7 @@ pub struct Calibrating {
     recent: VecDeque<(f64, DVec3)>,
     touches: Vec<Touch>,
     /// `None` until all corners were touched.
-    pub fit: Option<Fit>,
+    pub fit: Option<CalibrationFit>,
     pub problem: Option<String>,
 }
 

@@ -10,7 +10,7 @@ use std::time::Duration;
 use super::ar::CameraView;
 use crate::notice::Notice;
 use crate::video::{
-    Address, Intrinsics, State, Stats, VideoError, VideoFrame, VideoOptions, VideoSource,
+    Address, Intrinsics, PlaybackState, Stats, VideoError, VideoFrame, VideoOptions, VideoSource,
 };
 
 /// Time between two looks for a new frame.
@@ -59,8 +59,10 @@ impl VideoInput {
 
     /// Returns the time until the next look for a frame.
     pub fn repaint_after(&self) -> Option<Duration> {
-        let moving =
-            matches!(self.source.as_ref()?.state(), State::Opening | State::Live | State::Lost(_));
+        let moving = matches!(
+            self.source.as_ref()?.state(),
+            PlaybackState::Opening | PlaybackState::Live | PlaybackState::Lost(_)
+        );
         moving.then_some(LOOK_EVERY)
     }
 
@@ -86,11 +88,11 @@ impl VideoInput {
             self.frame = Some(Arc::new(frame.clone()));
         }
         let state = match source.state() {
-            State::Opening => VideoState::Opening,
-            State::Live => VideoState::Live,
-            State::Ended => VideoState::Ended,
-            State::Lost(error) => VideoState::Lost(error.to_string()),
-            State::Failed(error) => VideoState::Failed(error.to_string()),
+            PlaybackState::Opening => VideoState::Opening,
+            PlaybackState::Live => VideoState::Live,
+            PlaybackState::Ended => VideoState::Ended,
+            PlaybackState::Lost(error) => VideoState::Lost(error.to_string()),
+            PlaybackState::Failed(error) => VideoState::Failed(error.to_string()),
         };
         if state == self.state {
             return None;

@@ -7,7 +7,7 @@ use tracking::Event;
 use tracking::controls::{AnalogBinding, AnalogUse, ButtonBinding, Control, ControlMap};
 
 use crate::head_tracking::TrackingOptions;
-use crate::input::action::Kind;
+use crate::input::action::TriggerKind;
 use crate::input::{Action, ActionEvent};
 
 /// Notches of the wheel per second with an analog at its limit.
@@ -32,7 +32,7 @@ impl TrackerControls {
             channel,
             action,
             meaning: match action.help().kind {
-                Kind::Wheel => AnalogUse::Axis { scale: 1.0, dead_zone: DEAD_ZONE },
+                TriggerKind::Wheel => AnalogUse::Axis { scale: 1.0, dead_zone: DEAD_ZONE },
                 _ => AnalogUse::Press { press: 0.6, release: 0.4 },
             },
         };
@@ -51,7 +51,7 @@ impl TrackerControls {
     }
 
     fn action_of(&mut self, control: Control<Action>) -> Option<ActionEvent> {
-        let is_hold = |action: Action| action.help().kind == Kind::Hold;
+        let is_hold = |action: Action| action.help().kind == TriggerKind::Hold;
         match control {
             Control::Pressed(action) if is_hold(action) => {
                 Some(ActionEvent::Begin { action, at: None })

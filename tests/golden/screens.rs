@@ -2,7 +2,7 @@
 
 use ash::vk;
 use glam::{Affine3A, IVec2, Quat, UVec2, Vec2, Vec3};
-use virtual_sculpture::gpu::{Attachment, EyeImage, Load, Use, read_image_once};
+use virtual_sculpture::gpu::{Attachment, EyeImage, Load, ResourceUse, read_image_once};
 use virtual_sculpture::render::RenderMode;
 use virtual_sculpture::render::overlay::ToolPreview;
 use virtual_sculpture::render::{Stereo, StereoSources};
@@ -69,24 +69,26 @@ fn two_eyes_side_by_side_and_in_red_and_cyan() {
                 let view = image.image().layer_view(0);
                 Some(Attachment { view, load, store: true })
             };
-            interface.begin_overwrite(&mut recorder, 0, Use::COLOUR_TARGET);
+            interface.begin_overwrite(&mut recorder, 0, ResourceUse::COLOUR_TARGET);
             let nothing = clear(&interface, Load::Colour([0.0; 4]));
             recorder.begin_rendering(SIZE.to_array(), nothing, None);
             recorder.end_rendering();
-            interface.transition(&mut recorder, 0, Use::SHADER_READ);
+            interface.transition(&mut recorder, 0, ResourceUse::SHADER_READ);
             let pictures = &mut painter.renderer.pictures().unwrap().colour;
-            (0..2).for_each(|eye| pictures.transition(&mut recorder, eye, Use::SHADER_READ));
+            (0..2)
+                .for_each(|eye| pictures.transition(&mut recorder, eye, ResourceUse::SHADER_READ));
             let corner = IVec2::ZERO;
             let sources = StereoSources { pictures, corner, interface: &interface };
             pass.begin(slot, &sources);
-            screen.begin_overwrite(&mut recorder, 0, Use::COLOUR_TARGET);
+            screen.begin_overwrite(&mut recorder, 0, ResourceUse::COLOUR_TARGET);
             recorder.begin_rendering(SIZE.to_array(), clear(&screen, Load::Forget), None);
             pass.draw(&mut recorder, layout, 0, &sources).unwrap();
             recorder.end_rendering();
             painter.frames.submit(recorder, &[], &[]).unwrap();
             let part = screen.image().layer(0);
-            let bytes = read_image_once(device, part, screen.image().size(), 4, Use::COLOUR_TARGET)
-                .unwrap();
+            let bytes =
+                read_image_once(device, part, screen.image().size(), 4, ResourceUse::COLOUR_TARGET)
+                    .unwrap();
             let rgba = bytemuck::pod_collect_to_vec(&bytes);
             assert_recorded(name, &Pixels { size: SIZE, rgba });
         }

@@ -6,8 +6,8 @@ use ash::vk;
 use glam::{UVec3, Vec3};
 use virtual_sculpture::command::{Command, NewSculpture};
 use virtual_sculpture::document::{Document, Limits};
-use virtual_sculpture::gpu::{Buffer, Device, Frames, MemoryLocation, Use, run_once};
-use virtual_sculpture::render::Colours;
+use virtual_sculpture::gpu::{Buffer, Device, Frames, MemoryLocation, ResourceUse, run_once};
+use virtual_sculpture::render::DeviceColours;
 use virtual_sculpture::sculpture::history::Contents;
 use virtual_sculpture::sculpture::{Brick, ColourDepth, Grid, Material, Rgb};
 use virtual_sculpture::shade::ShownColours;
@@ -15,15 +15,15 @@ use virtual_sculpture::shade::ShownColours;
 use super::fixture::with_device;
 
 /// The device's copy of each brick's page; none if the brick is not painted.
-fn read_back(device: &Arc<Device>, colours: &Colours, bricks: usize) -> Vec<Option<Vec<u8>>> {
+fn read_back(device: &Arc<Device>, colours: &DeviceColours, bricks: usize) -> Vec<Option<Vec<u8>>> {
     let from = colours.buffer();
     let (usage, location) = (vk::BufferUsageFlags::TRANSFER_DST, MemoryLocation::GpuToCpu);
     let to = Buffer::new(device, "colours read back", from.bytes(), usage, location).unwrap();
     run_once(device, |recorder| {
         let all = vk::BufferCopy { src_offset: 0, dst_offset: 0, size: from.bytes() };
-        recorder.buffer_barrier(Use::COPY_TARGET, Use::COPY_SOURCE);
+        recorder.buffer_barrier(ResourceUse::COPY_TARGET, ResourceUse::COPY_SOURCE);
         recorder.copy_buffer(from.handle(), to.handle(), &[all]);
-        recorder.buffer_barrier(Use::COPY_TARGET, Use::HOST_READ);
+        recorder.buffer_barrier(ResourceUse::COPY_TARGET, ResourceUse::HOST_READ);
         Ok(())
     })
     .unwrap();
@@ -36,7 +36,7 @@ fn read_back(device: &Arc<Device>, colours: &Colours, bricks: usize) -> Vec<Opti
     bytemuck::pod_collect_to_vec::<u8, u32>(table).into_iter().map(page).collect()
 }
 
-fn update(frames: &mut Frames, colours: &mut Colours, shown: &ShownColours, changed: &[u32]) {
+fn update(frames: &mut Frames, colours: &mut DeviceColours, shown: &ShownColours, changed: &[u32]) {
     let mut recorder = frames.begin().unwrap();
     let slot = frames.slot();
     colours.update(&mut recorder, slot, shown, Some(changed)).unwrap();
@@ -74,7 +74,7 @@ fn the_copy_follows_paint_and_undo_in_frames_and_at_once() {
             };
             let mut document = Document::new(&new, Limits::default()).unwrap();
             let mut frames = Frames::new(device).unwrap();
-            let mut colours = Colours::new(device, &own_of(&document)).unwrap();
+            let mut colours = DeviceColours::new(device, &own_of(&document)).unwrap();
             document.drain_changes(|_, _| ());
             for text in [
                 "recolour ellipsoid at=30,40,50 half=20,10,30 colour=#ff0000",
@@ -113,7 +113,7 @@ fn more_pages_than_room_are_a_copy_on_the_device_and_what_changed() {
         };
         (0..10).for_each(|brick| paint(&mut material, brick));
         let mut frames = Frames::new(device).unwrap();
-        let mut colours = Colours::new(device, &own(&grid, &material)).unwrap();
+        let mut colours = DeviceColours::new(device, &own(&grid, &material)).unwrap();
         let before = colours.buffer().bytes();
         let unsaid = BRICKS - 1;
         paint(&mut material, unsaid);
@@ -150,7 +150,7 @@ fn the_copy_shows_the_mask_and_follows_what_becomes_visible() {
             let contents = Contents { mask: Some(Box::new(mask)), ..Contents::new(grid, material) };
             let mut document = Document::from_contents(contents, Limits::default());
             let mut frames = Frames::new(device).unwrap();
-            let mut copy = Colours::new(device, &masked(&document, instead)).unwrap();
+            let mut copy = DeviceColours::new(device, &masked(&document, instead)).unwrap();
             document.drain_changes(|_, _| ());
             let mut pages = 0;
             for text in [

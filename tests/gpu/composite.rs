@@ -5,7 +5,8 @@ use std::sync::Arc;
 use ash::vk;
 use glam::{Affine3A, UVec2, Vec3};
 use virtual_sculpture::gpu::{
-    Attachment, Device, Frames, Image, ImageInfo, Load, Staging, Use, read_image_once, run_once,
+    Attachment, Device, Frames, Image, ImageInfo, Load, ResourceUse, Staging, read_image_once,
+    run_once,
 };
 use virtual_sculpture::render::{
     Background, Composite, CompositeEye, EyeTask, IndexReadback, IndexTarget, Slicing, Volume,
@@ -169,8 +170,8 @@ fn composite_once(
     run_once(device, |recorder| {
         let visible = PixelRect::of_picture(map.rays.size);
         composite.upload(recorder, 0, &colours_of(map), visible, None)?;
-        recorder.image_barrier(colour.whole(), Use::NOTHING, Use::COLOUR_TARGET);
-        recorder.image_barrier(depth.whole(), Use::NOTHING, Use::DEPTH_TARGET);
+        recorder.image_barrier(colour.whole(), ResourceUse::NOTHING, ResourceUse::COLOUR_TARGET);
+        recorder.image_barrier(depth.whole(), ResourceUse::NOTHING, ResourceUse::DEPTH_TARGET);
         let red = Load::Colour([1.0, 0.0, 0.0, 1.0]);
         recorder.begin_rendering(
             size,
@@ -185,8 +186,8 @@ fn composite_once(
     let read = |image: &Image, from| {
         read_image_once(device, image.whole(), image.size(), 4, from).unwrap()
     };
-    let colours = bytemuck::pod_collect_to_vec(&read(&colour, Use::COLOUR_TARGET));
-    let depths = bytemuck::pod_collect_to_vec(&read(&depth, Use::DEPTH_TARGET));
+    let colours = bytemuck::pod_collect_to_vec(&read(&colour, ResourceUse::COLOUR_TARGET));
+    let depths = bytemuck::pod_collect_to_vec(&read(&depth, ResourceUse::DEPTH_TARGET));
     (colours, depths)
 }
 

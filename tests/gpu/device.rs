@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use ash::vk;
 use virtual_sculpture::gpu::{
     Attachment, Device, DeviceChoice, DeviceOptions, FRAMES_IN_FLIGHT, Frames, GpuError, Headless,
-    Image, ImageInfo, Load, Readback, Staging, Use, Validation, read_image_once, run_once,
+    Image, ImageInfo, Load, Readback, ResourceUse, Staging, Validation, read_image_once, run_once,
 };
 
 use virtual_sculpture::render::Renderer;
@@ -27,7 +27,7 @@ fn frames_draw_and_read_back_in_a_pipeline() {
         let target = Image::new(device, &info).unwrap();
         let mut frames = Frames::new(device).unwrap();
         let mut readback = Readback::new(device, "picture");
-        let mut before = Use::NOTHING;
+        let mut before = ResourceUse::NOTHING;
         for frame in 0..5usize {
             let mut recorder = frames.begin().unwrap();
             let slot = frames.slot();
@@ -37,14 +37,14 @@ fn frames_draw_and_read_back_in_a_pipeline() {
                 assert_eq!(readback.wait(slot).unwrap(), [51 * earlier; 5 * 3 * 4]);
             }
             let part = target.whole();
-            recorder.image_barrier(part, before.discarded(), Use::COLOUR_TARGET);
+            recorder.image_barrier(part, before.discarded(), ResourceUse::COLOUR_TARGET);
             let grey = Load::Colour([frame as f32 * 0.2; 4]);
             let colour = Attachment { view: target.view(), load: grey, store: true };
             recorder.begin_rendering([5, 3], Some(colour), None);
             recorder.end_rendering();
-            recorder.image_barrier(part, Use::COLOUR_TARGET, Use::COPY_SOURCE);
+            recorder.image_barrier(part, ResourceUse::COLOUR_TARGET, ResourceUse::COPY_SOURCE);
             readback.record(&mut recorder, slot, part, target.size(), 4).unwrap();
-            before = Use::COPY_SOURCE;
+            before = ResourceUse::COPY_SOURCE;
             let serial = frames.submit(recorder, &[], &[]).unwrap();
             readback.submitted(slot, serial);
         }
@@ -60,23 +60,27 @@ fn a_depth_buffer_is_cleared_after_the_drawing_before_has_written_it() {
         let depth = vk::Format::D32_SFLOAT;
         let target = Image::new(device, &ImageInfo::plane("depth", [9, 7], depth, usage)).unwrap();
         let mut frames = Frames::new(device).unwrap();
-        let mut before = Use::NOTHING;
+        let mut before = ResourceUse::NOTHING;
         for _ in 0..3 {
             let mut recorder = frames.begin().unwrap();
             for nearest in [0.25, 0.5] {
-                recorder.image_barrier(target.whole(), before.discarded(), Use::DEPTH_TARGET);
+                recorder.image_barrier(
+                    target.whole(),
+                    before.discarded(),
+                    ResourceUse::DEPTH_TARGET,
+                );
                 let load = Load::Depth(nearest);
                 let depth = Attachment { view: target.view(), load, store: true };
                 recorder.begin_rendering([9, 7], None, Some(depth));
                 recorder.end_rendering();
-                before = Use::DEPTH_TARGET;
+                before = ResourceUse::DEPTH_TARGET;
             }
             frames.submit(recorder, &[], &[]).unwrap();
         }
     });
     let written = vk::AccessFlags2::DEPTH_STENCIL_ATTACHMENT_WRITE;
-    assert!(Use::DEPTH_TARGET.discarded().access.contains(written));
-    assert_eq!(Use::DEPTH_TARGET.discarded().layout, vk::ImageLayout::UNDEFINED);
+    assert!(ResourceUse::DEPTH_TARGET.discarded().access.contains(written));
+    assert_eq!(ResourceUse::DEPTH_TARGET.discarded().layout, vk::ImageLayout::UNDEFINED);
 }
 
 #[test]
@@ -85,7 +89,7 @@ fn each_layer_is_a_picture_of_its_own() {
         let plane = ImageInfo::plane("eyes", [2, 2], vk::Format::R32_UINT, COLOUR);
         let eyes = Image::new(device, &ImageInfo { layers: 2, ..plane }).unwrap();
         run_once(device, |recorder| {
-            recorder.image_barrier(eyes.whole(), Use::NOTHING, Use::COLOUR_TARGET);
+            recorder.image_barrier(eyes.whole(), ResourceUse::NOTHING, ResourceUse::COLOUR_TARGET);
             for eye in 0..2 {
                 let load = Load::Integers([7 + eye; 4]);
                 let colour = Attachment { view: eyes.layer_view(eye), load, store: true };
@@ -97,7 +101,8 @@ fn each_layer_is_a_picture_of_its_own() {
         .unwrap();
         for eye in 0..2 {
             let bytes =
-                read_image_once(device, eyes.layer(eye), [2, 2, 1], 4, Use::COLOUR_TARGET).unwrap();
+                read_image_once(device, eyes.layer(eye), [2, 2, 1], 4, ResourceUse::COLOUR_TARGET)
+                    .unwrap();
             assert_eq!(bytemuck::pod_collect_to_vec::<u8, u32>(&bytes), [7 + eye; 4]);
         }
     });
@@ -111,7 +116,7 @@ fn staging_grows_and_what_was_pushed_stays() {
         let usage = vk::BufferUsageFlags::TRANSFER_SRC;
         let mut staging = Staging::new(device, "staging", usage, 64).unwrap();
         run_once(device, |recorder| {
-            recorder.image_barrier(target.whole(), Use::NOTHING, Use::COPY_TARGET);
+            recorder.image_barrier(target.whole(), ResourceUse::NOTHING, ResourceUse::COPY_TARGET);
             for x in 0..64u32 {
                 let piece = staging.push(&[1000 + x], 4)?;
                 let copy = vk::BufferImageCopy::default()
@@ -129,7 +134,8 @@ fn staging_grows_and_what_was_pushed_stays() {
         })
         .unwrap();
         let bytes =
-            read_image_once(device, target.whole(), [64, 1, 1], 4, Use::COPY_TARGET).unwrap();
+            read_image_once(device, target.whole(), [64, 1, 1], 4, ResourceUse::COPY_TARGET)
+                .unwrap();
         let values: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes);
         assert_eq!(values, (1000..1064).collect::<Vec<_>>());
     });
@@ -229,7 +235,11 @@ fn a_failure_within_rendering_does_not_keep_the_recorder_from_going_on() {
         let info = ImageInfo::plane("target", [4, 4], vk::Format::R32_UINT, COLOUR);
         let target = Image::new(device, &info).unwrap();
         run_once(device, |recorder| {
-            recorder.image_barrier(target.whole(), Use::NOTHING, Use::COLOUR_TARGET);
+            recorder.image_barrier(
+                target.whole(),
+                ResourceUse::NOTHING,
+                ResourceUse::COLOUR_TARGET,
+            );
             let load = Load::Integers([5; 4]);
             let colour = Attachment { view: target.view(), load, store: true };
             // An error leaves here; the caller does not learn where it occurred.
@@ -237,7 +247,11 @@ fn a_failure_within_rendering_does_not_keep_the_recorder_from_going_on() {
             recorder.end_rendering_if_begun();
             recorder.end_rendering_if_begun();
             // Not allowed within rendering, and the layers say so.
-            recorder.image_barrier(target.whole(), Use::COLOUR_TARGET, Use::COLOUR_TARGET);
+            recorder.image_barrier(
+                target.whole(),
+                ResourceUse::COLOUR_TARGET,
+                ResourceUse::COLOUR_TARGET,
+            );
             let load = Load::Integers([6; 4]);
             let colour = Attachment { view: target.view(), load, store: true };
             recorder.begin_rendering([4, 4], Some(colour), None);
@@ -246,7 +260,8 @@ fn a_failure_within_rendering_does_not_keep_the_recorder_from_going_on() {
         })
         .unwrap();
         let bytes =
-            read_image_once(device, target.whole(), [4, 4, 1], 4, Use::COLOUR_TARGET).unwrap();
+            read_image_once(device, target.whole(), [4, 4, 1], 4, ResourceUse::COLOUR_TARGET)
+                .unwrap();
         assert_eq!(bytemuck::pod_collect_to_vec::<u8, u32>(&bytes), [6; 16]);
     });
 }

@@ -4,7 +4,7 @@ use ash::vk;
 use egui::epaint::{ClippedPrimitive, Color32, ImageDelta, Mesh, Primitive, Vertex};
 use egui::{ColorImage, Rect, TextureId, TextureOptions, TexturesDelta, pos2};
 use virtual_sculpture::gpu::{
-    Attachment, Device, Frames, Image, ImageInfo, Load, Use, read_image_once,
+    Attachment, Device, Frames, Image, ImageInfo, Load, ResourceUse, read_image_once,
 };
 use virtual_sculpture::render::gui::Gui;
 
@@ -48,14 +48,18 @@ impl Stage<'_> {
         let mut recorder = self.frames.begin().unwrap();
         self.gui.upload(&mut recorder, self.frames.slot(), &mut delta).unwrap();
         assert!(delta.set.is_empty());
-        let before = if self.drawn { Use::COPY_SOURCE } else { Use::NOTHING };
-        recorder.image_barrier(self.target.whole(), before, Use::COLOUR_TARGET);
+        let before = if self.drawn { ResourceUse::COPY_SOURCE } else { ResourceUse::NOTHING };
+        recorder.image_barrier(self.target.whole(), before, ResourceUse::COLOUR_TARGET);
         let colour =
             Attachment { view: self.target.view(), load: Load::Colour([0.0; 4]), store: true };
         recorder.begin_rendering(SIZE, Some(colour), None);
         self.gui.draw(&recorder, SIZE, 1.0, sheet(id)).unwrap();
         recorder.end_rendering();
-        recorder.image_barrier(self.target.whole(), Use::COLOUR_TARGET, Use::COPY_SOURCE);
+        recorder.image_barrier(
+            self.target.whole(),
+            ResourceUse::COLOUR_TARGET,
+            ResourceUse::COPY_SOURCE,
+        );
         self.frames.submit(recorder, &[], &[]).unwrap();
         self.gui.free(&mut delta);
         self.drawn = true;
@@ -64,7 +68,8 @@ impl Stage<'_> {
     fn pixels(&self) -> Vec<[u8; 4]> {
         let size = [SIZE[0], SIZE[1], 1];
         let bytes =
-            read_image_once(self.device, self.target.whole(), size, 4, Use::COPY_SOURCE).unwrap();
+            read_image_once(self.device, self.target.whole(), size, 4, ResourceUse::COPY_SOURCE)
+                .unwrap();
         bytemuck::pod_collect_to_vec(&bytes)
     }
 }

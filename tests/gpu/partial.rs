@@ -7,7 +7,7 @@ use virtual_sculpture::command::Command;
 use virtual_sculpture::document::{Document, Limits};
 use virtual_sculpture::gpu::{Device, Frames};
 use virtual_sculpture::render::RenderMode;
-use virtual_sculpture::render::overlay::{Line, ToolPreview};
+use virtual_sculpture::render::overlay::{OverlayLine, ToolPreview};
 use virtual_sculpture::render::{Background, FrameDesc, Renderer, SmoothSurface};
 use virtual_sculpture::scenes;
 use virtual_sculpture::screen::offscreen::FORMAT;
@@ -45,7 +45,7 @@ impl Painter {
         &mut self,
         eyes: &[Eye],
         mode: RenderMode,
-        (previews, lines): (&[ToolPreview], &[Line]),
+        (previews, lines): (&[ToolPreview], &[OverlayLine]),
         document: &mut Document,
     ) -> Vec<Pixels> {
         // Occlusion reaches farther than normals; half of the modes are drawn with it.
@@ -87,9 +87,9 @@ fn preview(at: Vec3) -> ToolPreview {
     ToolPreview { primitive, voxel_size: Vec3::ONE, colour, opacity: [0.5, 0.2] }
 }
 
-fn line(from: Vec3, to: Vec3) -> Line {
+fn line(from: Vec3, to: Vec3) -> OverlayLine {
     let colour = Rgb::new(20, 240, 250);
-    Line { from, to, colour, width_px: 3.0, opacity: [1.0, 0.3] }
+    OverlayLine { from, to, colour, width_px: 3.0, opacity: [1.0, 0.3] }
 }
 
 /// A block with holes that does not reach its grid's border, so that it can grow.
@@ -223,7 +223,7 @@ fn follow_edits(
         before = followed;
     }
     // Nothing stale remains when the eye moves, either, to what no picture has shown since it was edited.
-    let tools: (&[ToolPreview], &[Line]) = (&[], &[frame]);
+    let tools: (&[ToolPreview], &[OverlayLine]) = (&[], &[frame]);
     for (angle, edit) in [(0.4, None), (2.4, None), (4.0, Some("undo 1")), (4.1, None)] {
         let turn = Affine3A::from_quat(Quat::from_rotation_y(angle));
         let moved = eyes.map(|eye| Eye { eye_from_world: eye.eye_from_world * turn, ..eye });

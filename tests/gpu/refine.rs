@@ -7,7 +7,7 @@ use ash::vk;
 use glam::{Affine3A, IVec3, Quat, UVec2, UVec3, Vec3};
 use virtual_sculpture::document::{Document, Limits};
 use virtual_sculpture::gpu::{Device, Frames};
-use virtual_sculpture::render::overlay::{Line, ToolPreview};
+use virtual_sculpture::render::overlay::{OverlayLine, ToolPreview};
 use virtual_sculpture::render::{
     Background, FrameDesc, FrameReport, RenderMode, Renderer, SmoothSurface, Volume,
 };
@@ -198,7 +198,7 @@ fn a_resting_picture_becomes_the_mean_of_its_samples_in_every_mode() {
     with_device(|device| {
         let mut document = sculpture();
         let eyes = eyes();
-        let line = Line {
+        let line = OverlayLine {
             from: Vec3::ZERO,
             to: Vec3::splat(80.0),
             colour: Rgb::new(20, 240, 250),

@@ -3,7 +3,7 @@
 
 use ash::vk;
 use glam::{Affine3A, UVec2, Vec3};
-use virtual_sculpture::gpu::{EyeImage, Staging, Use, read_image_once, run_once};
+use virtual_sculpture::gpu::{EyeImage, ResourceUse, Staging, read_image_once, run_once};
 use virtual_sculpture::render::{
     EyeTask, IndexTarget, LitSurface, Normals, PixelStage, ShadingImages, SurfaceShade, Volume,
 };
@@ -100,7 +100,8 @@ fn assert_shaders_agree(eye: &Eye, world_from_grid: Affine3A, lighting: &Lightin
             .unwrap();
             let image = pictures.image();
             let bytes =
-                read_image_once(device, image.layer(0), image.size(), 4, Use::SHADER_READ).unwrap();
+                read_image_once(device, image.layer(0), image.size(), 4, ResourceUse::SHADER_READ)
+                    .unwrap();
             let found: Vec<[u8; 4]> = bytemuck::pod_collect_to_vec(&bytes);
             for (i, (found, expected)) in found.iter().zip(&expected.rgba).enumerate() {
                 let off = (0..4).map(|c| found[c].abs_diff(expected[c])).max().unwrap();

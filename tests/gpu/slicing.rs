@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use virtual_sculpture::gpu::{Device, Frames, Use, read_image_once};
+use virtual_sculpture::gpu::{Device, Frames, ResourceUse, read_image_once};
 use virtual_sculpture::render::{EyeTask, IndexTarget, Slicing, Volume};
 use virtual_sculpture::sculpture::Grid;
 use virtual_sculpture::surface::slices::SliceAreas;
@@ -37,7 +37,7 @@ fn slice(
             frames.submit(recorder, &[], &[]).unwrap();
             let size = [SIZE.x, SIZE.y, 1];
             let part = target.index().image().layer(eye);
-            let bytes = read_image_once(device, part, size, 4, Use::COLOUR_TARGET).unwrap();
+            let bytes = read_image_once(device, part, size, 4, ResourceUse::COLOUR_TARGET).unwrap();
             let voxels = bytemuck::pod_collect_to_vec(&bytes);
             IndexMap { rays: *rays, voxels, normals: Vec::new() }
         })

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::{IVec3, Mat3, Quat, UVec2, UVec3, Vec3};
-use virtual_sculpture::gpu::{Device, Frames, Use, read_image_once, run_once};
+use virtual_sculpture::gpu::{Device, Frames, ResourceUse, read_image_once, run_once};
 use virtual_sculpture::render::{EyeTask, IndexTarget, LevelMarch, LevelTask, Levels, Normals};
 use virtual_sculpture::scenes;
 use virtual_sculpture::sculpture::{Grid, NO_VOXEL, Placement};
@@ -93,7 +93,8 @@ impl OnDevice {
         })
         .unwrap();
         let image = target.index().image();
-        let bytes = read_image_once(device, image.layer(0), image.size(), 8, Use::SHADER_READ);
+        let bytes =
+            read_image_once(device, image.layer(0), image.size(), 8, ResourceUse::SHADER_READ);
         bytemuck::pod_collect_to_vec(&bytes.unwrap())
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{Affine3A, UVec2, UVec3, Vec3};
 use virtual_sculpture::document::{Document, Limits};
 use virtual_sculpture::gpu::{Device, Frames};
-use virtual_sculpture::render::overlay::Line;
+use virtual_sculpture::render::overlay::OverlayLine;
 use virtual_sculpture::render::{Background, FrameDesc, RenderMode, Renderer, SmoothSurface};
 use virtual_sculpture::scenes;
 use virtual_sculpture::screen::offscreen::FORMAT;
@@ -180,7 +180,7 @@ fn lines_stay_sharp_and_each_eye_is_its_own_picture() {
             assert!(pictures(device, &mut document, &alone).remove(0) == *picture);
         }
         // A line over the background, where no edge is near.
-        let line = Line {
+        let line = OverlayLine {
             from: Vec3::new(40.0, 99.0, 48.0),
             to: Vec3::new(56.0, 104.0, 48.0),
             colour: Rgb::new(255, 255, 255),

@@ -4,7 +4,7 @@ use ash::vk;
 use glam::{Affine3A, IVec2, UVec2, Vec3};
 use virtual_sculpture::document::{Document, Limits};
 use virtual_sculpture::gpu::{
-    Attachment, EyeImage, Frames, Load, Staging, Use, read_image_once, run_once,
+    Attachment, EyeImage, Frames, Load, ResourceUse, Staging, read_image_once, run_once,
 };
 use virtual_sculpture::render::RenderMode;
 use virtual_sculpture::render::{
@@ -84,7 +84,7 @@ fn every_layout_is_its_twin_and_layers_are_drawn_one_by_one() {
             let sources = StereoSources { pictures: &pictures, corner: CORNER, interface: &over };
             stereo.begin(frames.slot(), &sources);
             for eye in 0..2 {
-                screen.begin_overwrite(&mut recorder, eye, Use::COLOUR_TARGET);
+                screen.begin_overwrite(&mut recorder, eye, ResourceUse::COLOUR_TARGET);
                 let view = screen.image().layer_view(eye);
                 let attachment = Attachment { view, load: Load::Forget, store: true };
                 recorder.begin_rendering(WINDOW.to_array(), Some(attachment), None);
@@ -94,7 +94,8 @@ fn every_layout_is_its_twin_and_layers_are_drawn_one_by_one() {
             frames.submit(recorder, &[], &[]).unwrap();
             for layer in 0..2 {
                 let (part, size) = (screen.image().layer(layer), screen.image().size());
-                let bytes = read_image_once(device, part, size, 4, Use::COLOUR_TARGET).unwrap();
+                let bytes =
+                    read_image_once(device, part, size, 4, ResourceUse::COLOUR_TARGET).unwrap();
                 let drawn: &[[u8; 4]] = bytemuck::cast_slice(&bytes);
                 for y in 0..WINDOW.y {
                     for x in 0..WINDOW.x {

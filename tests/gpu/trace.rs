@@ -4,14 +4,14 @@ use std::sync::Arc;
 
 use glam::{UVec2, UVec3, Vec2, Vec3};
 use virtual_sculpture::gpu::Device;
-use virtual_sculpture::progress::Report;
+use virtual_sculpture::progress::ProgressReport;
 use virtual_sculpture::render::{DeviceTraceError, trace_on_device};
 use virtual_sculpture::scenes;
 use virtual_sculpture::sculpture::{Brick, ColourDepth, Grid, Material, Placement, Rgb};
 use virtual_sculpture::shade::{NormalField, ShadeSource};
 use virtual_sculpture::trace::{
-    AreaLight, Film, Ground, Lens, LightOptions, SunLight, TraceCamera, TraceError, TraceOptions,
-    trace,
+    AreaLight, Film, Lens, LightOptions, SunLight, TraceCamera, TraceError, TraceGround,
+    TraceOptions, trace,
 };
 use virtual_sculpture::view::Camera;
 
@@ -113,7 +113,7 @@ fn white_surfaces_vanish_in_a_white_furnace_on_the_device() {
         samples: 4,
         bounces: 2000,
         light: LightOptions::Uniform(Vec3::ONE),
-        ground: Some(Ground { colour: WHITE }),
+        ground: Some(TraceGround { colour: WHITE }),
         ..TraceOptions::default()
     };
     with_device(|device| {
@@ -128,7 +128,7 @@ fn white_surfaces_vanish_in_a_white_furnace_on_the_device() {
 #[test]
 fn a_cancelled_picture_of_the_device_is_none() {
     let subject = subject(scenes::solid_cube(16).unwrap(), WHITE, false);
-    let report = Report::default();
+    let report = ProgressReport::default();
     report.cancel();
     with_device(|device| {
         let options = TraceOptions::default();

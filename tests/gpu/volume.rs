@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 use virtual_sculpture::command::{Command, NewSculpture};
 use virtual_sculpture::document::{Document, Limits};
-use virtual_sculpture::gpu::{Device, Frames, GpuError, Use, read_image_once};
+use virtual_sculpture::gpu::{Device, Frames, GpuError, ResourceUse, read_image_once};
 use virtual_sculpture::render::Volume;
 use virtual_sculpture::sculpture::{Brick, ColourDepth, Grid, Rgb};
 
@@ -15,7 +15,8 @@ use super::fixture::with_device;
 
 fn read_back(device: &Arc<Device>, volume: &Volume) -> Vec<Brick> {
     let image = volume.image();
-    let bytes = read_image_once(device, image.whole(), image.size(), 8, Use::SHADER_READ).unwrap();
+    let bytes =
+        read_image_once(device, image.whole(), image.size(), 8, ResourceUse::SHADER_READ).unwrap();
     bytemuck::pod_collect_to_vec(&bytes)
 }
 

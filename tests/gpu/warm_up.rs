@@ -3,7 +3,7 @@
 use glam::{Quat, UVec2, UVec3, Vec3};
 use virtual_sculpture::document::{Document, Limits};
 use virtual_sculpture::gpu::Frames;
-use virtual_sculpture::render::overlay::{Line, ToolPreview};
+use virtual_sculpture::render::overlay::{OverlayLine, ToolPreview};
 use virtual_sculpture::render::{
     Background, FrameDesc, RenderMode, Renderer, SmoothSurface, WarmUp,
 };
@@ -66,7 +66,7 @@ fn the_first_picture_after_warming_up_creates_no_pipeline_in_any_mode() {
             colour: RED,
             opacity: [0.5, 0.2],
         };
-        let line = Line {
+        let line = OverlayLine {
             from: Vec3::splat(-5.0),
             to: Vec3::splat(45.0),
             colour: RED,

@@ -1,7 +1,7 @@
 //! The window of the print check: it checks when it is opened, marks the faults and repairs them.
 
 use egui::{Key, Modifiers};
-use virtual_sculpture::print_check::Kind;
+use virtual_sculpture::print_check::FaultKind;
 
 use super::bench::{Bench, bench, click, click_once, has, key, rest, run, undo_count, voxels};
 
@@ -31,7 +31,7 @@ fn faults_are_listed_marked_and_repaired() {
     let before = voxels(&harness);
     key(&mut harness, Modifiers::CTRL | Modifiers::ALT, Key::P);
     finish(&mut harness);
-    let kinds = [Kind::Islands, Kind::Cavities, Kind::Overhangs];
+    let kinds = [FaultKind::Islands, FaultKind::Cavities, FaultKind::Overhangs];
     for label in ["Floating pieces: 1", "Closed cavities: 1", "Overhangs: 2", "Check again"] {
         assert!(has(&harness, label), "{label}");
     }

@@ -2,7 +2,7 @@
 
 use egui::{Event, Key, Modifiers};
 use glam::{IVec3, Vec3};
-use virtual_sculpture::editor::symmetry::Placed;
+use virtual_sculpture::editor::symmetry::SymmetryPart;
 use virtual_sculpture::editor::tool::NextPress;
 use virtual_sculpture::tools::symmetry::Symmetry;
 
@@ -48,7 +48,10 @@ fn a_plane_is_toggled_and_placed_along_the_line_of_sight() {
     assert!(symmetry(&harness).plane.is_none());
     // Seen from the front, a plane through a press lies across x; the press uses no tool.
     click(&mut harness, "Place plane");
-    assert_eq!(harness.state().editor.tool.next_press, Some(NextPress::Symmetry(Placed::Plane)));
+    assert_eq!(
+        harness.state().editor.tool.next_press,
+        Some(NextPress::Symmetry(SymmetryPart::Plane))
+    );
     press_at(&mut harness, Vec3::new(32.0, 20.0, 64.0));
     let plane = symmetry(&harness).plane.unwrap();
     assert_eq!((plane.normal, plane.at_vx.x), (Vec3::X, 32.0));

@@ -19,7 +19,7 @@ use virtual_sculpture::editor::sizes::SizeUnit;
 use virtual_sculpture::editor::tool::ToolEdit;
 use virtual_sculpture::input::hands::{HandMapper, HandSettings, HandSide, HandState, HandsState};
 use virtual_sculpture::input::pad::stick::Response;
-use virtual_sculpture::input::{Action, DrawKind, Step};
+use virtual_sculpture::input::{Action, DrawKind, ScreenDirection};
 use virtual_sculpture::sculpture::Rgb;
 use virtual_sculpture::tools::brush::BrushId;
 use virtual_sculpture::tools::brush::kernel::grab::Falloff;
@@ -160,8 +160,11 @@ impl Sculptor {
             return;
         }
         let state = self.harness.state_mut();
-        let steps =
-            [[Step::Left, Step::Right], [Step::Down, Step::Up], [Step::Farther, Step::Nearer]];
+        let steps = [
+            [ScreenDirection::Left, ScreenDirection::Right],
+            [ScreenDirection::Down, ScreenDirection::Up],
+            [ScreenDirection::Farther, ScreenDirection::Nearer],
+        ];
         for (axis, [back, on]) in steps.into_iter().enumerate() {
             let by = (to - state.editor.tool.centre_vx)[axis].round();
             let step = if by < 0.0 { back } else { on };

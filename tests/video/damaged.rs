@@ -6,7 +6,7 @@ use std::net::TcpListener;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-use virtual_sculpture::video::{MAX_PIXELS, State};
+use virtual_sculpture::video::{MAX_PIXELS, PlaybackState};
 
 use super::{colour, jpeg, open};
 
@@ -94,7 +94,7 @@ fn damaged_answers_of_a_camera_do_no_harm() {
         let mut source = open(&format!("http://127.0.0.1:{port}/video"));
         let start = Instant::now();
         let mut last = None;
-        while !matches!(source.state(), State::Lost(_)) {
+        while !matches!(source.state(), PlaybackState::Lost(_)) {
             assert!(start.elapsed() < Duration::from_secs(60), "{before}: {:?}", source.state());
             source.poll();
             if let Some(frame) = source.frame() {

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use proptest::prelude::*;
-use virtual_sculpture::video::{State, VideoFrame, VideoSource};
+use virtual_sculpture::video::{PlaybackState, VideoFrame, VideoSource};
 
 use super::{colour, jpeg, near, open, single_colour, until};
 
@@ -21,7 +21,10 @@ fn play_all(addresses: &[String]) -> Vec<Seen> {
     let mut sources: Vec<VideoSource> = addresses.iter().map(|address| open(address)).collect();
     let mut seen: Vec<Seen> = addresses.iter().map(|_| (Vec::new(), None)).collect();
     let running = |source: &VideoSource| {
-        matches!(source.state(), State::Opening | State::Live | State::Lost(_))
+        matches!(
+            source.state(),
+            PlaybackState::Opening | PlaybackState::Live | PlaybackState::Lost(_)
+        )
     };
     while sources.iter().any(running) {
         assert!(start.elapsed() < Duration::from_secs(60));

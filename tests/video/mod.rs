@@ -7,7 +7,7 @@ mod phone;
 use std::time::{Duration, Instant};
 
 use jpeg_encoder::{ColorType, Encoder};
-use virtual_sculpture::video::{Address, State, VideoFrame, VideoSource};
+use virtual_sculpture::video::{Address, PlaybackState, VideoFrame, VideoSource};
 
 pub fn open(address: &str) -> VideoSource {
     VideoSource::open(&address.parse().unwrap()).unwrap()
@@ -58,7 +58,7 @@ fn addresses_that_cannot_be() {
     }
     let mut source = open("v4l2:/dev/no-such-camera");
     if cfg!(target_os = "linux") {
-        until(&mut source, |s| matches!(s.state(), State::Lost(_)));
+        until(&mut source, |s| matches!(s.state(), PlaybackState::Lost(_)));
         assert!(source.state().error().unwrap().to_string().contains("/dev/no-such-camera"));
     }
 }

@@ -5,7 +5,7 @@ use std::net::{TcpListener, TcpStream};
 use std::sync::mpsc::{self, Receiver, Sender};
 use std::thread::JoinHandle;
 
-use virtual_sculpture::video::State;
+use virtual_sculpture::video::PlaybackState;
 
 use super::{colour, jpeg, near, open, single_colour, until};
 
@@ -91,7 +91,7 @@ fn a_phone_that_goes_and_comes_back() {
         phone.bytes(part(&jpeg(32, 32, colour(number))));
         until(&mut source, |s| s.frame().is_some_and(|frame| frame.sequence == u64::from(number)));
         assert!(near(single_colour(source.frame().unwrap(), 2), colour(number), 4));
-        assert!(matches!(source.state(), State::Live));
+        assert!(matches!(source.state(), PlaybackState::Live));
     }
     let request = phone.requests.recv().unwrap();
     assert_eq!(request[0], "GET /video HTTP/1.1");
@@ -99,7 +99,7 @@ fn a_phone_that_goes_and_comes_back() {
     // It goes in the middle of a picture.
     phone.bytes(part(&jpeg(32, 32, colour(9)))[..300].to_vec());
     phone.close();
-    until(&mut source, |s| matches!(s.state(), State::Lost(_)));
+    until(&mut source, |s| matches!(s.state(), PlaybackState::Lost(_)));
     assert!(source.state().error().unwrap().to_string().contains("closed the connection"));
     assert!(near(single_colour(source.frame().unwrap(), 2), colour(3), 4));
     // It is there again, turned by a quarter.
@@ -108,7 +108,7 @@ fn a_phone_that_goes_and_comes_back() {
     let frame = source.frame().unwrap();
     assert_eq!((frame.width, frame.height), (16, 48));
     assert!(near(single_colour(frame, 2), colour(5), 4));
-    assert!(matches!(source.state(), State::Live) && source.stats().opened == 2);
+    assert!(matches!(source.state(), PlaybackState::Live) && source.stats().opened == 2);
 }
 
 #[test]
@@ -118,7 +118,7 @@ fn a_phone_that_is_switched_on_later() {
     let address = listener.local_addr().unwrap();
     drop(listener);
     let mut source = open(&format!("http://me:secret@{address}/"));
-    until(&mut source, |s| matches!(s.state(), State::Lost(_)));
+    until(&mut source, |s| matches!(s.state(), PlaybackState::Lost(_)));
     let text = source.state().error().unwrap().to_string();
     assert!(text.contains("refused") && !text.contains("secret"), "{text}");
     let listener = TcpListener::bind(address).unwrap();
@@ -151,7 +151,7 @@ fn chunked_answers_without_lengths_in_small_pieces() {
         assert!(near(single_colour(source.frame().unwrap(), 2), colour(number), 4));
     }
     phone.bytes(b"0\r\n\r\n".to_vec());
-    until(&mut source, |s| matches!(s.state(), State::Lost(_)));
+    until(&mut source, |s| matches!(s.state(), PlaybackState::Lost(_)));
 }
 
 #[test]
@@ -193,7 +193,7 @@ fn answers_that_are_no_video_say_why() {
     ] {
         let phone = Phone::new(head);
         let mut source = open(&phone.address());
-        until(&mut source, |s| matches!(s.state(), State::Lost(_)));
+        until(&mut source, |s| matches!(s.state(), PlaybackState::Lost(_)));
         let text = source.state().error().unwrap().to_string();
         assert!(text.contains(why), "{text}");
     }
@@ -206,7 +206,7 @@ fn answers_that_are_no_video_say_why() {
         );
     }
     let mut source = open(&phone.address());
-    until(&mut source, |s| matches!(s.state(), State::Lost(_)));
+    until(&mut source, |s| matches!(s.state(), PlaybackState::Lost(_)));
     let text = source.state().error().unwrap().to_string();
     assert!(text.contains("head is longer"), "{text}");
 }

@@ -129,7 +129,7 @@ pub fn screen_corners_m(width_m: f64, height_m: f64) -> [DVec3; 4] {
 
 /// A fitted calibration and its residuals.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Fit {
+pub struct CalibrationFit {
     pub calibration: Calibration,
     /// Distance in screen axes between each touched point and its fitted position, metres.
     pub residuals_m: Vec<f64>,
@@ -137,7 +137,7 @@ pub struct Fit {
     pub rms_m: f64,
 }
 
-impl Fit {
+impl CalibrationFit {
     /// Returns the largest residual, metres.
     pub fn max_m(&self) -> f64 {
         self.residuals_m.iter().copied().fold(0.0, f64::max)
@@ -149,7 +149,10 @@ impl Fit {
 /// coplanar, are enough.
 ///
 /// B. K. P. Horn: "Closed-form solution of absolute orientation using unit quaternions", 1987.
-pub fn fit_touches(touches: &[Touch], with_scale: bool) -> Result<Fit, CalibrationError> {
+pub fn fit_touches(
+    touches: &[Touch],
+    with_scale: bool,
+) -> Result<CalibrationFit, CalibrationError> {
     if !(3..=64).contains(&touches.len()) {
         return Err(CalibrationError::Count(touches.len()));
     }
@@ -184,7 +187,7 @@ pub fn fit_touches(touches: &[Touch], with_scale: bool) -> Result<Fit, Calibrati
     let residuals_m: Vec<f64> =
         touches.iter().map(|t| calibration.point(t.tracker_m).distance(t.screen_m)).collect();
     let rms_m = (residuals_m.iter().map(|r| r * r).sum::<f64>() / count).sqrt();
-    Ok(Fit { calibration, residuals_m, rms_m })
+    Ok(CalibrationFit { calibration, residuals_m, rms_m })
 }
 
 /// Refuses centred points whose spread across their longest direction is below [`MIN_BREADTH_M`].

@@ -89,11 +89,11 @@ pub const INBOX_CAPACITY: usize = 4096;
 /// first, so that button changes survive a pause.
 #[derive(Default, Debug)]
 pub struct Inbox {
-    inner: Mutex<Queue>,
+    inner: Mutex<EventQueue>,
 }
 
 #[derive(Default, Debug)]
-struct Queue {
+struct EventQueue {
     events: VecDeque<Event>,
     dropped: u64,
 }

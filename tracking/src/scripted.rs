@@ -36,7 +36,7 @@ pub struct ScriptError {
 }
 
 #[derive(Clone, Copy, PartialEq, Debug)]
-enum Entry {
+enum ScriptEntry {
     Pose { sensor: u32, placement: Placement, confidence: f64 },
     Button { button: u32, pressed: bool },
     Lost,
@@ -45,7 +45,7 @@ enum Entry {
 /// A parsed and checked script.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Script {
-    entries: Vec<(f64, Entry)>,
+    entries: Vec<(f64, ScriptEntry)>,
     rate_hz: Option<f64>,
     pub looped: bool,
 }
@@ -101,11 +101,11 @@ impl Script {
     /// it is lost. After the last pose it stays.
     pub fn at(&self, sensor: u32, time_s: f64) -> Option<(Placement, f64)> {
         let next = self.entries.partition_point(|(entry_s, _)| *entry_s <= time_s);
-        let mine = |(entry_s, entry): &(f64, Entry)| match *entry {
-            Entry::Pose { sensor: s, placement, confidence } if s == sensor => {
+        let mine = |(entry_s, entry): &(f64, ScriptEntry)| match *entry {
+            ScriptEntry::Pose { sensor: s, placement, confidence } if s == sensor => {
                 Some(Some((*entry_s, placement, confidence)))
             }
-            Entry::Lost => Some(None),
+            ScriptEntry::Lost => Some(None),
             _ => None,
         };
         let (from_s, from, confidence) = self.entries[..next].iter().rev().find_map(mine)??;
@@ -123,9 +123,9 @@ fn number(word: &str) -> Option<f64> {
     word.parse().ok().filter(|number: &f64| number.is_finite())
 }
 
-fn entry(words: &[&str], sensor: u32) -> Result<Entry, &'static str> {
+fn entry(words: &[&str], sensor: u32) -> Result<ScriptEntry, &'static str> {
     match *words {
-        ["lost"] => Ok(Entry::Lost),
+        ["lost"] => Ok(ScriptEntry::Lost),
         ["button", button, state] => {
             let button = button.parse().ok().filter(|button| *button < MAX_BUTTONS as u32);
             let pressed = match state {
@@ -133,7 +133,7 @@ fn entry(words: &[&str], sensor: u32) -> Result<Entry, &'static str> {
                 "up" => false,
                 _ => return Err("a button goes \"down\" or \"up\""),
             };
-            Ok(Entry::Button {
+            Ok(ScriptEntry::Button {
                 button: button.ok_or("a button is a number from 0 to 255")?,
                 pressed,
             })
@@ -151,7 +151,7 @@ fn entry(words: &[&str], sensor: u32) -> Result<Entry, &'static str> {
             if !(0.0..=1.0).contains(&n[7]) {
                 return Err("a confidence is 0 to 1");
             }
-            Ok(Entry::Pose { sensor, placement, confidence: n[7] })
+            Ok(ScriptEntry::Pose { sensor, placement, confidence: n[7] })
         }
         _ => Err("expected a pose of 7 or 8 numbers, \"button\" or \"lost\""),
     }
@@ -177,7 +177,7 @@ impl Scripted {
             .entries
             .iter()
             .filter_map(|(_, entry)| match entry {
-                Entry::Pose { sensor, .. } => Some(*sensor),
+                ScriptEntry::Pose { sensor, .. } => Some(*sensor),
                 _ => None,
             })
             .collect();
@@ -204,15 +204,19 @@ impl Scripted {
             let (time_s, entry) = self.script.entries[index];
             let (source, host_s) = (self.label.clone(), zero_s + time_s);
             match entry {
-                Entry::Pose { sensor, placement, confidence } if self.script.rate_hz.is_none() => {
+                ScriptEntry::Pose { sensor, placement, confidence }
+                    if self.script.rate_hz.is_none() =>
+                {
                     events.push(self.pose(host_s, sensor, placement, confidence));
                 }
-                Entry::Button { button, pressed } if self.held[button as usize] != pressed => {
+                ScriptEntry::Button { button, pressed }
+                    if self.held[button as usize] != pressed =>
+                {
                     self.held[button as usize] = pressed;
                     events.push(Event::Button { source, button, pressed, time_s: host_s });
                 }
-                Entry::Lost => events.push(Event::Lost { source, time_s: host_s }),
-                Entry::Pose { .. } | Entry::Button { .. } => {}
+                ScriptEntry::Lost => events.push(Event::Lost { source, time_s: host_s }),
+                ScriptEntry::Pose { .. } | ScriptEntry::Button { .. } => {}
             }
         }
         let Some(rate_hz) = self.script.rate_hz else { return };

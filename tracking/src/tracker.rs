@@ -52,7 +52,7 @@ pub struct Predicted {
 }
 
 #[derive(Debug)]
-struct Body {
+struct TrackedBody {
     rest: Placement,
     fade_options: FadeOptions,
     channels: Vec<Channel>,
@@ -66,7 +66,7 @@ struct Body {
 /// Sources and bodies.
 pub struct Tracker {
     sources: Vec<Box<dyn Source>>,
-    bodies: Vec<Body>,
+    bodies: Vec<TrackedBody>,
     scratch: Vec<Event>,
 }
 
@@ -82,7 +82,7 @@ impl Tracker {
     }
 
     pub fn add_body(&mut self, options: BodyOptions) -> BodyId {
-        self.bodies.push(Body {
+        self.bodies.push(TrackedBody {
             rest: options.rest,
             fade_options: options.fade,
             channels: options.channels.into_iter().map(Channel::new).collect(),
@@ -171,7 +171,7 @@ impl Tracker {
     }
 }
 
-impl Body {
+impl TrackedBody {
     /// Returns the guide's placement for `time_s`.
     fn guide_at(&self, time_s: f64, sources: &mut [Box<dyn Source>]) -> Placement {
         let Some(channel) = self.guide.map(|index| &self.channels[index]) else {

@@ -4,7 +4,7 @@
 use glam::{DQuat, DVec3};
 use std::collections::HashMap;
 use tracking::vrpn::Message;
-use tracking::vrpn::messages::Kind;
+use tracking::vrpn::messages::MessageKind;
 use tracking::vrpn::wire::{
     COOKIE, Frame, SENDER_DESCRIPTION, Stamp, StreamReader, TYPE_DESCRIPTION, check_cookie,
     described_name,
@@ -58,7 +58,7 @@ impl Listener {
             }
             kind if kind < 0 => self.system.push(kind),
             kind => {
-                let kind = Kind::of_name(&self.kinds[&kind]).unwrap();
+                let kind = MessageKind::of_name(&self.kinds[&kind]).unwrap();
                 self.said.push(Said {
                     stamp: frame.stamp,
                     device: self.senders[&frame.sender].clone(),
@@ -68,7 +68,7 @@ impl Listener {
         }
     }
 
-    pub fn of(&self, kind: Kind) -> Vec<&Said> {
+    pub fn of(&self, kind: MessageKind) -> Vec<&Said> {
         self.said.iter().filter(|said| said.message.kind() == kind).collect()
     }
 }

@@ -4,7 +4,7 @@ use super::captured::*;
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
 use tracking::vrpn::Message;
-use tracking::vrpn::messages::Kind;
+use tracking::vrpn::messages::MessageKind;
 use tracking::vrpn::session::Session;
 use tracking::vrpn::wire::{Stamp, StreamReader, datagram_frames};
 use tracking::{Counters, Event, Severity};
@@ -12,8 +12,11 @@ use tracking::{Counters, Event, Severity};
 /// Checks the low-latency reports of the deterministic server.
 fn check_reports(listener: &Listener) {
     let count = |kind| listener.of(kind).len();
-    assert_eq!((count(Kind::Pose), count(Kind::Velocity), count(Kind::Acceleration)), (80, 80, 80));
-    for (i, said) in listener.of(Kind::Pose).into_iter().enumerate() {
+    assert_eq!(
+        (count(MessageKind::Pose), count(MessageKind::Velocity), count(MessageKind::Acceleration)),
+        (80, 80, 80)
+    );
+    for (i, said) in listener.of(MessageKind::Pose).into_iter().enumerate() {
         let (k, s) = (i as u32 / 2, i as u32 % 2);
         assert_eq!((said.device.as_str(), said.stamp), ("Head0", stamp_of_tick(k)));
         let Message::Pose { sensor, position_m, quat } = said.message else { panic!() };
@@ -21,21 +24,21 @@ fn check_reports(listener: &Listener) {
         assert_close(position_m, position_of_tick(k, s));
         assert_same_quat(quat, quat_of_tick(k, s));
     }
-    for (i, said) in listener.of(Kind::Velocity).into_iter().enumerate() {
+    for (i, said) in listener.of(MessageKind::Velocity).into_iter().enumerate() {
         let (k, sensor) = (i as u32 / 2, i as u32 % 2);
         assert_eq!((said.device.as_str(), said.stamp), ("Head0", stamp_of_tick(k)));
         let linear = DVec3::new(0.1, 0.0, 0.01);
         let quat = DQuat::IDENTITY;
         assert_eq!(said.message, Message::Velocity { sensor, linear, quat, dt_s: 0.1 });
     }
-    for (i, said) in listener.of(Kind::Acceleration).into_iter().enumerate() {
+    for (i, said) in listener.of(MessageKind::Acceleration).into_iter().enumerate() {
         let (k, sensor) = (i as u32 / 2, i as u32 % 2);
         assert_eq!((said.device.as_str(), said.stamp), ("Head0", stamp_of_tick(k)));
         let linear = DVec3::new(0.0, -9.8125, 0.0);
         let quat = DQuat::IDENTITY;
         assert_eq!(said.message, Message::Acceleration { sensor, linear, quat, dt_s: 0.1 });
     }
-    let analogs = listener.of(Kind::Analog);
+    let analogs = listener.of(MessageKind::Analog);
     assert_eq!(analogs.len(), 40);
     for (k, said) in analogs.into_iter().enumerate() {
         let k = k as u32;
@@ -46,7 +49,7 @@ fn check_reports(listener: &Listener) {
 
 /// Checks what the deterministic server sends by TCP in both modes.
 fn check_reliable(listener: &Listener) {
-    let changes = listener.of(Kind::ButtonChange);
+    let changes = listener.of(MessageKind::ButtonChange);
     assert_eq!(changes.len(), 8);
     for (said, (button, pressed)) in changes.into_iter().zip(BUTTON_CHANGES) {
         assert_eq!((said.device.as_str(), said.stamp), ("Wand0", Stamp::default()));
@@ -63,7 +66,7 @@ fn check_reliable(listener: &Listener) {
             _ => {}
         }
     }
-    let texts = listener.of(Kind::Text);
+    let texts = listener.of(MessageKind::Text);
     let expected = [(7, 0, 0, "calibrated"), (8, 1, 2, "low battery")];
     assert_eq!(texts.len(), expected.len());
     for (said, (k, severity, level, text)) in texts.into_iter().zip(expected) {
@@ -78,8 +81,8 @@ fn deterministic_tcp() {
     assert_eq!(count, 338);
     check_reports(&listener);
     check_reliable(&listener);
-    assert_eq!(listener.of(Kind::ButtonStates).len(), 6);
-    assert_eq!(listener.of(Kind::Pong).len(), 15);
+    assert_eq!(listener.of(MessageKind::ButtonStates).len(), 6);
+    assert_eq!(listener.of(MessageKind::Pong).len(), 15);
     assert!(listener.system.is_empty());
 }
 
@@ -109,17 +112,17 @@ fn minimal_client() {
     check_reliable(&listener);
     let quat = DQuat::IDENTITY;
     let position_m = DVec3::new(1.0, 2.0, 3.0);
-    for said in listener.of(Kind::ToRoom) {
+    for said in listener.of(MessageKind::ToRoom) {
         assert_eq!(said.message, Message::ToRoom { position_m, quat });
     }
-    assert!(!listener.of(Kind::ToRoom).is_empty());
-    let units = listener.of(Kind::UnitToSensor);
+    assert!(!listener.of(MessageKind::ToRoom).is_empty());
+    let units = listener.of(MessageKind::UnitToSensor);
     assert_eq!(units.len(), 2);
     for (sensor, said) in (0..).zip(units) {
         let position_m = DVec3::new(0.1 + f64::from(sensor), 0.2, 0.3);
         assert_eq!(said.message, Message::UnitToSensor { sensor, position_m, quat });
     }
-    let workspaces = listener.of(Kind::Workspace);
+    let workspaces = listener.of(MessageKind::Workspace);
     assert_eq!(workspaces.len(), 1);
     let (min_m, max_m) = (DVec3::new(-0.2, -0.2, -0.1), DVec3::splat(0.2));
     assert_eq!(workspaces[0].message, Message::Workspace { min_m, max_m });
@@ -132,7 +135,7 @@ fn stock_server() {
     let since = |stamp: Stamp| stamp.since_1970().unwrap().as_secs_f64();
     let mut spins: Vec<(f64, DQuat)> = Vec::new();
     let mut nulls = 0;
-    for said in listener.of(Kind::Pose) {
+    for said in listener.of(MessageKind::Pose) {
         let Message::Pose { sensor, position_m, quat } = said.message else { panic!() };
         assert_eq!(position_m, DVec3::ZERO);
         if said.device == "Null0" {
@@ -149,7 +152,7 @@ fn stock_server() {
         let turned = DQuat::from_rotation_y(36f64.to_radians() * (pair[1].0 - pair[0].0));
         assert!((pair[1].1 - turned * pair[0].1).length() < 1e-6, "report {i}");
     }
-    for said in listener.of(Kind::Velocity) {
+    for said in listener.of(MessageKind::Velocity) {
         let Message::Velocity { linear, quat, dt_s, .. } = said.message else { panic!() };
         assert_eq!(linear, DVec3::ZERO);
         if said.device == "Null0" {
@@ -159,17 +162,17 @@ fn stock_server() {
             assert!((dt_s - 4.5).abs() < 1e-6);
         }
     }
-    for said in listener.of(Kind::Acceleration) {
+    for said in listener.of(MessageKind::Acceleration) {
         let Message::Acceleration { linear, quat, .. } = said.message else { panic!() };
         assert_eq!((linear, quat), (DVec3::ZERO, DQuat::IDENTITY));
     }
-    let dials = listener.of(Kind::Dial);
+    let dials = listener.of(MessageKind::Dial);
     assert_eq!(dials.len(), 48);
     for (i, said) in dials.into_iter().enumerate() {
         assert_eq!(said.device, "Dial0");
         assert_eq!(said.message, Message::Dial { dial: i as u32 % 2, revolutions: 0.2 });
     }
-    let changes = listener.of(Kind::ButtonChange);
+    let changes = listener.of(MessageKind::ButtonChange);
     assert_eq!(changes.len(), 10);
     for (i, said) in changes.into_iter().enumerate() {
         let (button, pressed) = (i as u32 % 2, i / 2 % 2 == 0);
@@ -186,7 +189,7 @@ fn what_stock_clients_say() {
         ("min_tcp.c2s.bin", 9, 1),
     ] {
         let (listener, messages) = stream(name);
-        assert_eq!((messages, listener.of(Kind::Ping).len()), (count, pings), "{name}");
+        assert_eq!((messages, listener.of(MessageKind::Ping).len()), (count, pings), "{name}");
     }
 }
 

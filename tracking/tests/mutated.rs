@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use tracking::vrpn::Message;
-use tracking::vrpn::messages::Kind;
+use tracking::vrpn::messages::MessageKind;
 use tracking::vrpn::peer::{DeviceState, Peer};
 use tracking::vrpn::session::Session;
 use tracking::vrpn::wire::{Frame, StreamReader, datagram_frames};
@@ -173,7 +173,7 @@ fn a_million_mutated_packets() {
         }
         largest_buffer = largest_buffer.max(reader.capacity());
 
-        let kind = Kind::ALL[random.below(Kind::ALL.len())];
+        let kind = MessageKind::ALL[random.below(MessageKind::ALL.len())];
         let _ = Message::decode(kind, packet.get(24..).unwrap_or(&[]));
         if let Ok(placement) =
             opentrack::decode(packet.get(..48).unwrap_or(&packet), opentrack::Signs::default())

@@ -5,7 +5,7 @@ use super::waiting::until;
 use std::io::{ErrorKind, Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
 use std::time::Duration;
-use tracking::vrpn::messages::Kind;
+use tracking::vrpn::messages::MessageKind;
 use tracking::vrpn::server::{PublishError, ServerError};
 use tracking::vrpn::wire::{COOKIE, StreamReader, UDP_DESCRIPTION, datagram_frames, write_frame};
 use tracking::vrpn::{DeviceSpec, Message, Server, ServerOptions, Stamp};
@@ -64,19 +64,20 @@ fn a_stock_tcp_client_is_answered() {
     stream.write_all(&bytes("det_tcp.c2s.bin")).unwrap();
     let (mut reader, mut listener) = (StreamReader::default(), Listener::default());
     hear(&mut stream, &mut reader, &mut listener, |l| {
-        l.of(Kind::Pong).len() == 10 && l.of(Kind::ButtonStates).len() == 6
+        l.of(MessageKind::Pong).len() == 10 && l.of(MessageKind::ButtonStates).len() == 6
     });
-    let pongs = |name: &str| listener.of(Kind::Pong).iter().filter(|s| s.device == name).count();
+    let pongs =
+        |name: &str| listener.of(MessageKind::Pong).iter().filter(|s| s.device == name).count();
     assert_eq!((pongs("Head0"), pongs("Wand0")), (5, 5));
     assert!(listener.system.is_empty(), "no UDP for a TCP client");
 
     server.publish("Head0", &[pose(3)], stamp_of_tick(3)).unwrap();
     let press = Message::ButtonChange { button: 1, pressed: true };
     server.publish("Wand0", std::slice::from_ref(&press), Stamp::default()).unwrap();
-    hear(&mut stream, &mut reader, &mut listener, |l| !l.of(Kind::ButtonChange).is_empty());
-    let poses = listener.of(Kind::Pose);
+    hear(&mut stream, &mut reader, &mut listener, |l| !l.of(MessageKind::ButtonChange).is_empty());
+    let poses = listener.of(MessageKind::Pose);
     assert_eq!((poses[0].message.clone(), poses[0].stamp), (pose(3), stamp_of_tick(3)));
-    assert_eq!(listener.of(Kind::ButtonChange)[0].message, press);
+    assert_eq!(listener.of(MessageKind::ButtonChange)[0].message, press);
     assert_eq!(server.counters().rejected, 0);
 }
 
@@ -89,7 +90,7 @@ fn questions_of_the_minimal_client_are_answered() {
     stream.write_all(&bytes("min_tcp.c2s.bin")).unwrap();
     let (mut reader, mut listener) = (StreamReader::default(), Listener::default());
     hear(&mut stream, &mut reader, &mut listener, |l| {
-        !l.of(Kind::UnitToSensor).is_empty() && !l.of(Kind::ToRoom).is_empty()
+        !l.of(MessageKind::UnitToSensor).is_empty() && !l.of(MessageKind::ToRoom).is_empty()
     });
 }
 
@@ -119,7 +120,7 @@ fn a_stock_udp_client_is_connected_to_and_served_by_udp() {
     stream.write_all(&said).unwrap();
 
     let (mut reader, mut listener) = (StreamReader::default(), Listener::default());
-    hear(&mut stream, &mut reader, &mut listener, |l| l.of(Kind::Pong).len() == 10);
+    hear(&mut stream, &mut reader, &mut listener, |l| l.of(MessageKind::Pong).len() == 10);
     assert_eq!(listener.system, [UDP_DESCRIPTION]);
     assert_eq!(server.clients(), 1, "asked three times, connected once");
 
@@ -128,16 +129,16 @@ fn a_stock_udp_client_is_connected_to_and_served_by_udp() {
     let release = Message::ButtonChange { button: 0, pressed: true };
     server.publish("Wand0", &[release], Stamp::default()).unwrap();
     let mut datagram = [0; 2000];
-    while listener.of(Kind::Pose).len() < TICKS as usize {
+    while listener.of(MessageKind::Pose).len() < TICKS as usize {
         let count = hears.recv(&mut datagram).unwrap();
         assert!(count <= 1472);
         datagram_frames(&datagram[..count]).for_each(|frame| listener.hear(&frame.unwrap()));
     }
-    for (k, said) in (0..).zip(listener.of(Kind::Pose)) {
+    for (k, said) in (0..).zip(listener.of(MessageKind::Pose)) {
         assert_eq!(said.message, pose(k));
     }
     let by_udp = listener.said.len();
-    hear(&mut stream, &mut reader, &mut listener, |l| !l.of(Kind::ButtonChange).is_empty());
+    hear(&mut stream, &mut reader, &mut listener, |l| !l.of(MessageKind::ButtonChange).is_empty());
     assert_eq!(listener.said.len(), by_udp + 1, "no pose came by TCP");
 }
 
@@ -176,8 +177,8 @@ fn bad_clients_are_sent_away_and_good_ones_go_on() {
 
     let (mut reader, mut listener) = (StreamReader::default(), Listener::default());
     server.publish("Head0", &[pose(9)], stamp_of_tick(9)).unwrap();
-    hear(&mut good, &mut reader, &mut listener, |l| !l.of(Kind::Pose).is_empty());
-    assert_eq!(listener.of(Kind::Pose)[0].message, pose(9));
+    hear(&mut good, &mut reader, &mut listener, |l| !l.of(MessageKind::Pose).is_empty());
+    assert_eq!(listener.of(MessageKind::Pose)[0].message, pose(9));
 }
 
 #[test]

@@ -23,7 +23,7 @@ pub struct CommandHelp {
 
 /// Every command, in the order of the manual.
 pub static COMMANDS: LazyLock<Vec<CommandHelp>> = LazyLock::new(|| {
-    let help = |row: &Row| CommandHelp {
+    let help = |row: &HelpRow| CommandHelp {
         verb: row.verb,
         usage: filled(row.usage, row.verb),
         tooltip: filled(row.tooltip, row.verb),
@@ -54,191 +54,191 @@ fn drawn_names(between: &str) -> String {
     DrawnSolid::ALL.map(|spec| format!("{} ...", spec.name)).join(between)
 }
 
-struct Row {
+struct HelpRow {
     verb: &'static str,
     usage: &'static str,
     tooltip: &'static str,
 }
 
-const TABLE: &[Row] = &[
-    Row {
+const TABLE: &[HelpRow] = &[
+    HelpRow {
         verb: "new",
         usage: "dims=X,Y,Z [size=SX,SY,SZ] [colour=0|8|16|24] [base=#rrggbb] [fill=solid|empty]",
         tooltip: "Replace the sculpture with a new block of voxels",
     },
-    Row {
+    HelpRow {
         verb: "open",
         usage: "\"PATH\" [threshold=auto|N|N..N] [colouring=auto|none|grey|tissue|labels|packed] [colour=0|8|16|24] [upright=y|z|-z|-y|x|-x] [raw=LAYOUT] [channel=N] [time=N] [region=X,Y,Z..X,Y,Z] [cubic=no|finest|Nmm] [pieces=all|largest] [holes=open|filled] [mesh_size=VOXELS|Nmm] [mesh_fill=auto|solid|shell]",
         tooltip: "Replace the sculpture with the contents of a file",
     },
-    Row {
+    HelpRow {
         verb: "embed",
         usage: "\"PATH\" data=BASE64",
         tooltip: "Give an image, or a sculpture as .vsc, to the commands that follow and name it",
     },
-    Row {
+    HelpRow {
         verb: "save",
         usage: "\"PATH\" [form=auto|densities|rgba|packed] [mesh=smooth|faces|greedy] [triangles=N] [millimetres=X] [up=y|z] [vertices=joined|alone]",
         tooltip: "Write the sculpture to a file",
     },
-    Row {
+    HelpRow {
         verb: "begin",
         usage: "[\"LABEL\"]",
         tooltip: "Begin a stroke: all commands up to `end` are one undo step",
     },
-    Row { verb: "end", usage: "", tooltip: "End the open stroke" },
-    Row { verb: "cancel", usage: "", tooltip: "Cancel the open stroke and undo what it did" },
-    Row {
+    HelpRow { verb: "end", usage: "", tooltip: "End the open stroke" },
+    HelpRow { verb: "cancel", usage: "", tooltip: "Cancel the open stroke and undo what it did" },
+    HelpRow {
         verb: "add",
         usage: "SOLID at=X,Y,Z half=A[,B,C] [turn=RX,RY,RZ | turn=X,Y,Z,W] [to=X,Y,Z] [colour=#rrggbb] | {drawn usages}",
         tooltip: "Fill the voxels inside a solid ({solid names}, or a {drawn labels}); new ones get the colour, or the base colour",
     },
-    Row {
+    HelpRow {
         verb: "subtract",
         usage: "SOLID at=X,Y,Z half=A[,B,C] [turn=...] [to=X,Y,Z] | {drawn names}",
         tooltip: "Remove the voxels inside a solid",
     },
-    Row {
+    HelpRow {
         verb: "recolour",
         usage: "SOLID at=X,Y,Z half=A[,B,C] [turn=...] [to=X,Y,Z] colour=#rrggbb | {drawn names}",
         tooltip: "Recolour the voxels inside a solid",
     },
-    Row {
+    HelpRow {
         verb: "spray",
         usage: "{brushes}",
         tooltip: "Use a brush where the rays under its footprint meet the surface",
     },
-    Row {
+    HelpRow {
         verb: "grab",
         usage: "{brushes}",
         tooltip: "Pull at a ball of clay: what is in its middle goes all the way, what is at its rim stays",
     },
-    Row {
+    HelpRow {
         verb: "deform",
         usage: "{brushes}",
         tooltip: "Move the surface in a ball: outwards by a height (inflate), to a plane through its middle, along a normal (draw, crease), or with the clay around it (pinch, twist)",
     },
-    Row {
+    HelpRow {
         verb: "texture",
         usage: "\"PICTURE\" SOLID at=X,Y,Z half=A[,B,C] [turn=...]",
         tooltip: "Paint the voxels inside a solid with a PNG or JPEG image",
     },
-    Row {
+    HelpRow {
         verb: "stencil",
         usage: "{brushes}",
         tooltip: "Paint the surface under a brush with a PNG or JPEG image, or with a colour through its bright parts",
     },
-    Row {
+    HelpRow {
         verb: "fill",
         usage: "[grid|selection|marker] [colour=#rrggbb]",
         tooltip: "Fill every voxel of an area",
     },
-    Row {
+    HelpRow {
         verb: "clear",
         usage: "[grid|selection|marker]",
         tooltip: "Delete every voxel of an area",
     },
-    Row {
+    HelpRow {
         verb: "dye",
         usage: "[grid|selection|marker] colour=#rrggbb",
         tooltip: "Recolour every voxel of an area",
     },
-    Row {
+    HelpRow {
         verb: "adjust",
         usage: "[grid|selection|marker] [hue=DEGREES] [saturation=FACTOR] [value=FACTOR]",
         tooltip: "Change hue, saturation and value of the colours of the area",
     },
-    Row {
+    HelpRow {
         verb: "gradient",
         usage: "[grid|selection|marker] from=X,Y,Z to=X,Y,Z colour=#rrggbb end=#rrggbb [strength=0..1]",
         tooltip: "Recolour the area from one colour to another along the way between two points",
     },
-    Row {
+    HelpRow {
         verb: "noise",
         usage: "[grid|selection|marker] colour=#rrggbb [size=VOXELS] [amount=0..1] [seed=N]",
         tooltip: "Blend a colour into the area by irregular patches of a size",
     },
-    Row {
+    HelpRow {
         verb: "flood",
         usage: "at=X,Y,Z colour=#rrggbb [tolerance=0..1]",
         tooltip: "Recolour the patch of one colour on the surface around a voxel: voxels with an empty one among their 26 neighbours, joined by faces",
     },
-    Row {
+    HelpRow {
         verb: "mask",
         usage: "add|subtract grid|selection|marker|SOLID at=X,Y,Z half=A[,B,C] [turn=...] [to=X,Y,Z]|{drawn names, close}|colour colour=#rrggbb [tolerance=0..1]|cavities [within=1..4] [depth=0..4]|patch at=X,Y,Z [tolerance=0..1|angle=DEGREES] [depth=0..4]|piece at=X,Y,Z | clear | invert | grow [by=VOXELS] | shrink [by=VOXELS] | smooth [around=1..8]",
         tooltip: "Protect voxels from all tools, or no longer: an area, what a solid contains, a colour, cavities of the surface, a patch of one colour or direction, or all that hangs together",
     },
-    Row {
+    HelpRow {
         verb: "mark",
         usage: "at=X,Y,Z size=A,B,C",
         tooltip: "Move and resize the marker: its lower corner and its size in voxels",
     },
-    Row {
+    HelpRow {
         verb: "select",
         usage: "add|subtract|drop|clear",
         tooltip: "Add the marker's box to the selection or subtract it, drop the last box, or clear all",
     },
-    Row { verb: "limit", usage: "on|off", tooltip: "Limit all tools to the selection" },
-    Row {
+    HelpRow { verb: "limit", usage: "on|off", tooltip: "Limit all tools to the selection" },
+    HelpRow {
         verb: "symmetry",
         usage: "[x=off|even|odd] [y=off|even|odd] [z=off|even|odd] [plane=X,Y,Z normal=X,Y,Z] [radial=N about=X,Y,Z axis=X,Y,Z]",
         tooltip: "Mirror what tools do at planes through the grid's centre or at one anywhere, and repeat it around an axis",
     },
-    Row { verb: "copy", usage: "", tooltip: "Copy the voxels in the marker" },
-    Row { verb: "cut", usage: "", tooltip: "Cut the voxels in the marker to the clipboard" },
-    Row {
+    HelpRow { verb: "copy", usage: "", tooltip: "Copy the voxels in the marker" },
+    HelpRow { verb: "cut", usage: "", tooltip: "Cut the voxels in the marker to the clipboard" },
+    HelpRow {
         verb: "paste",
         usage: "at=X,Y,Z [axes=x,y,z]",
         tooltip: "Paste the clipboard, its axes exchanged or reversed if wanted, such as axes=y,-x,z",
     },
-    Row {
+    HelpRow {
         verb: "move",
         usage: "[by=X,Y,Z] [axes=x,y,z]",
         tooltip: "Move, rotate or mirror the marker's contents",
     },
-    Row {
+    HelpRow {
         verb: "array",
         usage: "count=N step=X,Y,Z",
         tooltip: "Repeat the last operation, each time with a further offset",
     },
-    Row {
+    HelpRow {
         verb: "orient",
         usage: "upright=y|z|-z|-y|x|-x | axes=x,y,z",
         tooltip: "Rotate the whole sculpture so that an axis points up, or exchange and reverse its axes, such as axes=x,-z,y",
     },
-    Row {
+    HelpRow {
         verb: "remove-islands",
         usage: "[keep=standing|largest] [smaller=VOXELS]",
         tooltip: "Remove the pieces that hang together with nothing, but for the largest, and for those on the bed unless only the largest is kept",
     },
-    Row {
+    HelpRow {
         verb: "fill-cavities",
         usage: "[smaller=VOXELS]",
         tooltip: "Fill empty places that do not reach the outside",
     },
-    Row {
+    HelpRow {
         verb: "thicken",
         usage: "to=VOXELS",
         tooltip: "Add voxels around walls that are thinner",
     },
-    Row {
+    HelpRow {
         verb: "drain",
         usage: "[diameter=VOXELS] [toward=down|nearest]",
         tooltip: "Drill a hole from each cavity to the outside",
     },
-    Row {
+    HelpRow {
         verb: "surface",
         usage: "smooth|cubes",
         tooltip: "Show near voxels as the smooth surface between them, or as cubes; exports propose the same",
     },
-    Row { verb: "undo", usage: "[N|all]", tooltip: "Undo the last steps" },
-    Row { verb: "redo", usage: "[N|all]", tooltip: "Redo undone steps" },
-    Row {
+    HelpRow { verb: "undo", usage: "[N|all]", tooltip: "Undo the last steps" },
+    HelpRow { verb: "redo", usage: "[N|all]", tooltip: "Redo undone steps" },
+    HelpRow {
         verb: "irreversible",
         usage: "on|off",
         tooltip: "Do steps that are too large to be undone, or refuse them",
     },
-    Row {
+    HelpRow {
         verb: "place",
         usage: "[turn=...] [move=X,Y,Z] [scale=S]",
         tooltip: "Rotate, move and scale the sculpture in the world",

@@ -383,12 +383,12 @@ fn parse_ivec3(text: &str) -> Result<IVec3, String> {
     numbers::<i32, 3>(text).map(IVec3::from_array)
 }
 
-fn numbers<T: Number, const N: usize>(text: &str) -> Result<[T; N], String> {
+fn numbers<T: CommandNumber, const N: usize>(text: &str) -> Result<[T; N], String> {
     let values: Vec<T> = text.split(',').map(number).collect::<Result<_, _>>()?;
     values.try_into().map_err(|_| format!("must be {N} numbers separated by commas"))
 }
 
-fn number<T: Number>(text: &str) -> Result<T, String> {
+fn number<T: CommandNumber>(text: &str) -> Result<T, String> {
     match text.trim().parse::<T>() {
         Ok(value) if value.usable() => Ok(value),
         _ => Err(format!("`{text}` is not a valid number")),
@@ -396,29 +396,29 @@ fn number<T: Number>(text: &str) -> Result<T, String> {
 }
 
 /// A number that a command may hold.
-trait Number: FromStr {
+trait CommandNumber: FromStr {
     fn usable(&self) -> bool;
 }
 
-impl Number for f32 {
+impl CommandNumber for f32 {
     fn usable(&self) -> bool {
         self.is_finite()
     }
 }
 
-impl Number for u32 {
+impl CommandNumber for u32 {
     fn usable(&self) -> bool {
         true
     }
 }
 
-impl Number for i32 {
+impl CommandNumber for i32 {
     fn usable(&self) -> bool {
         true
     }
 }
 
-impl Number for u64 {
+impl CommandNumber for u64 {
     fn usable(&self) -> bool {
         true
     }

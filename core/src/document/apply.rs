@@ -23,7 +23,7 @@ use crate::tools::repair::{Repair, RepairPlan};
 /// Counters of changes. A refused command and a trial restore them: copies elsewhere then stay current, and a replay of
 /// the executed commands counts the same states.
 #[derive(Clone, Copy)]
-pub(super) struct Counts {
+pub(super) struct ChangeCounters {
     revision: u64,
     states: u64,
 }
@@ -160,13 +160,13 @@ impl Document {
         self.timeline.return_to_settled();
     }
 
-    pub(super) fn counts(&self) -> Counts {
-        Counts { revision: self.target.revision, states: self.timeline.states }
+    pub(super) fn counts(&self) -> ChangeCounters {
+        ChangeCounters { revision: self.target.revision, states: self.timeline.states }
     }
 
     /// Restores the counters, as if the reverted edits had not been tried.
-    pub(super) fn return_to(&mut self, counts: Counts) {
-        let Counts { revision, states } = counts;
+    pub(super) fn return_to(&mut self, counts: ChangeCounters) {
+        let ChangeCounters { revision, states } = counts;
         (self.target.revision, self.timeline.states) = (revision, states);
     }
 

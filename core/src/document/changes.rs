@@ -15,7 +15,7 @@ pub struct ChangeSubscriber(Arc<()>);
 
 /// The changes that a subscriber has not drained yet.
 #[derive(Debug)]
-struct Pending {
+struct PendingChanges {
     subscriber: Weak<()>,
     /// Changed bricks; meaningless if `all` is set.
     bricks: BrickSet,
@@ -24,13 +24,13 @@ struct Pending {
 
 /// The pending changes of all subscribers of one document.
 #[derive(Debug, Default)]
-pub(super) struct Changes {
-    pending: Vec<Pending>,
+pub(super) struct SubscribedChanges {
+    pending: Vec<PendingChanges>,
     /// The bricks drained last, kept to reuse the allocation.
     drained: Vec<u32>,
 }
 
-impl Changes {
+impl SubscribedChanges {
     /// Adds changes to the pending ones of every subscriber, in a grid of `brick_count` bricks. These are the bricks in
     /// `bricks`, which is emptied, or, with `all`, all bricks of a grid that may have another size.
     pub fn publish(&mut self, bricks: &mut BrickSet, all: bool, brick_count: usize) {
@@ -51,10 +51,10 @@ impl Changes {
     /// bricks, as for a new subscriber.
     pub fn drain(&mut self, subscriber: &ChangeSubscriber, brick_count: usize) -> Option<&[u32]> {
         let subscriber = Arc::downgrade(&subscriber.0);
-        let known = |pending: &&mut Pending| pending.subscriber.ptr_eq(&subscriber);
+        let known = |pending: &&mut PendingChanges| pending.subscriber.ptr_eq(&subscriber);
         let Some(pending) = self.pending.iter_mut().find(known) else {
             let bricks = BrickSet::new(brick_count);
-            self.pending.push(Pending { subscriber, bricks, all: false });
+            self.pending.push(PendingChanges { subscriber, bricks, all: false });
             return None;
         };
         self.drained.clear();
@@ -77,7 +77,7 @@ mod tests {
     #[test]
     fn each_subscriber_drains_every_change_once() {
         let (window, headset) = (ChangeSubscriber::default(), ChangeSubscriber::default());
-        let mut changes = Changes::default();
+        let mut changes = SubscribedChanges::default();
         assert_eq!(changes.drain(&window, 500), None, "a new subscriber needs all");
         changes.publish(&mut set(&[3, 70, 71]), false, 500);
         assert_eq!(changes.drain(&headset, 500), None);
@@ -96,7 +96,7 @@ mod tests {
 
     #[test]
     fn a_dropped_subscriber_is_removed() {
-        let mut changes = Changes::default();
+        let mut changes = SubscribedChanges::default();
         for _ in 0..10 {
             changes.drain(&ChangeSubscriber::default(), 10);
             changes.publish(&mut BrickSet::new(10), false, 10);

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use glam::UVec3;
 
 use super::CommandError;
-use super::changes::Changes;
+use super::changes::SubscribedChanges;
 use crate::refusal::{MemoryBudget, OverBudget};
 use crate::sculpture::brick_set::BrickSet;
 use crate::sculpture::edit::{self, EditOp, EditStats};
@@ -204,7 +204,7 @@ impl EditTarget {
     }
 
     /// Publishes the bricks changed since the last call to the subscribers of `changes`.
-    pub fn publish(&mut self, changes: &mut Changes) {
+    pub fn publish(&mut self, changes: &mut SubscribedChanges) {
         let bricks = self.contents.grid.brick_count();
         changes.publish(&mut self.dirty, std::mem::take(&mut self.all_dirty), bricks);
     }

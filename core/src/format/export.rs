@@ -73,7 +73,7 @@ fn packed24(Rgb(colour): Rgb) -> [u8; 3] {
 }
 
 fn densities(contents: &Contents) -> Vec<u8> {
-    voxels_by_brick(contents, |slab: &mut Slab<1>, corner, brick, _| {
+    voxels_by_brick(contents, |slab: &mut BrickLayer<1>, corner, brick, _| {
         let rows = brick.to_rows();
         let room = slab.room(corner);
         for z in 0..room.z {
@@ -98,7 +98,7 @@ fn spread_bits(bits: u8) -> u64 {
 
 fn colours<const B: usize>(contents: &Contents, of: impl Fn(Rgb) -> [u8; B] + Sync) -> Vec<u8> {
     let material = &contents.material;
-    voxels_by_brick(contents, |slab: &mut Slab<B>, corner, brick, index| {
+    voxels_by_brick(contents, |slab: &mut BrickLayer<B>, corner, brick, index| {
         brick.for_each(|local| {
             let [x, y, z] = local_coords(local);
             let at = slab.index(corner.x + x, corner.y + y, z);
@@ -108,12 +108,12 @@ fn colours<const B: usize>(contents: &Contents, of: impl Fn(Rgb) -> [u8; B] + Sy
 }
 
 /// The voxels of one layer of bricks.
-struct Slab<'a, const B: usize> {
+struct BrickLayer<'a, const B: usize> {
     voxels: &'a mut [[u8; B]],
     dims: UVec3,
 }
 
-impl<const B: usize> Slab<'_, B> {
+impl<const B: usize> BrickLayer<'_, B> {
     /// Returns the index of a voxel, with `z` counted from the start of the slab.
     #[inline(always)]
     fn index(&self, x: u32, y: u32, z: u32) -> usize {
@@ -130,7 +130,7 @@ impl<const B: usize> Slab<'_, B> {
 /// index.
 fn voxels_by_brick<const B: usize>(
     contents: &Contents,
-    write: impl Fn(&mut Slab<B>, UVec3, &Brick, usize) + Sync,
+    write: impl Fn(&mut BrickLayer<B>, UVec3, &Brick, usize) + Sync,
 ) -> Vec<u8> {
     let grid = &contents.grid;
     let dims = grid.dims();
@@ -138,7 +138,7 @@ fn voxels_by_brick<const B: usize>(
     let mut voxels = vec![[0u8; B]; slice * dims.z as usize];
     let slabs = voxels.par_chunks_mut(slice * BRICK_EDGE_VX as usize);
     slabs.enumerate().for_each(|(bz, voxels)| {
-        let mut slab = Slab { voxels, dims };
+        let mut slab = BrickLayer { voxels, dims };
         for by in 0..grid.brick_dims().y {
             for (bx, brick) in grid.nonempty_in_row(by, bz as u32) {
                 let at = UVec3::new(bx, by, bz as u32);

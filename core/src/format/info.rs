@@ -9,8 +9,8 @@ use glam::{UVec3, Vec3};
 use super::options::{ExportForm, ImportOptions};
 use super::spec::{Format, Import};
 use super::{
-    FormatError, Histogram, Samples, Signature, Source, Texts, Volume, Volumes, content, import,
-    mesh_in, open_volume, read_file, threshold, voxel, vsc,
+    FileMetadata, FormatError, Histogram, Samples, Signature, Texts, Volume, Volumes, content,
+    import, mesh_in, open_volume, read_file, threshold, voxel, vsc,
 };
 use crate::progress::Progress;
 use crate::sculpture::Limits;
@@ -141,7 +141,7 @@ fn info_as(
     }
     let (volume, source) = open_volume(format, path, options, limits, progress)?;
     let orientation = source.frame.describe();
-    let Source { kind, file_bytes, volumes, notes, .. } = source;
+    let FileMetadata { kind, file_bytes, volumes, notes, .. } = source;
     Ok(Info {
         kind,
         file_bytes,

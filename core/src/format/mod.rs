@@ -291,7 +291,7 @@ fn read_file(
 
 /// Metadata of a file: everything known about it besides its voxels.
 #[derive(Default)]
-struct Source {
+struct FileMetadata {
     kind: String,
     file_bytes: u64,
     /// Directions of the file's axes.
@@ -303,7 +303,7 @@ struct Source {
     notes: Vec<String>,
 }
 
-impl Source {
+impl FileMetadata {
     /// Returns the options, completed from the file where they leave it open.
     fn adapted(&self, options: &ImportOptions, samples: Samples) -> ImportOptions {
         let colouring = match options.colouring {
@@ -325,7 +325,7 @@ fn open_volume(
     options: &ImportOptions,
     limits: &Limits,
     progress: &dyn Progress,
-) -> Result<(Volume, Source), FormatError> {
+) -> Result<(Volume, FileMetadata), FormatError> {
     let (volume, source) = read_volume(format, path, options, limits, progress)?;
     let is_packed =
         import::trusted_signature(&volume).is_some_and(|s| s.form == ExportForm::Packed);
@@ -340,14 +340,21 @@ fn read_volume(
     options: &ImportOptions,
     limits: &Limits,
     progress: &dyn Progress,
-) -> Result<(Volume, Source), FormatError> {
+) -> Result<(Volume, FileMetadata), FormatError> {
     let is_scan = matches!(format.read, Import::Scan(_));
     match &format.read {
         Import::Sculpture | Import::Model(_) | Import::Mesh(_) => {
             let loaded = load_as(format, path, options, limits, progress)?;
             let volume = export::to_volume(&loaded.contents, ExportForm::Auto, loaded.texts)?;
             let file_bytes = std::fs::metadata(path)?.len();
-            Ok((volume, Source { kind: "sculpture".to_string(), file_bytes, ..Source::default() }))
+            Ok((
+                volume,
+                FileMetadata {
+                    kind: "sculpture".to_string(),
+                    file_bytes,
+                    ..FileMetadata::default()
+                },
+            ))
         }
         Import::Volume(read) | Import::Scan(read) => {
             let (scan, file_bytes) = read(&Reading { path, options, limits, progress })?;
@@ -360,7 +367,7 @@ fn read_volume(
                         .to_string(),
                 );
             }
-            Ok((volume, Source { kind, file_bytes, frame, is_label, volumes, notes }))
+            Ok((volume, FileMetadata { kind, file_bytes, frame, is_label, volumes, notes }))
         }
     }
 }

@@ -97,13 +97,13 @@ struct Preparation<'a> {
 
 /// The position of a new voxel between two old ones of an axis: the lower one, and the weight of the upper one.
 #[derive(Clone, Copy)]
-struct Place {
+struct ResamplePosition {
     lower: usize,
     upper: usize,
     share: f32,
 }
 
-impl Place {
+impl ResamplePosition {
     fn nearest(&self) -> usize {
         if self.share < 0.5 { self.lower } else { self.upper }
     }
@@ -111,7 +111,7 @@ impl Place {
 
 impl Preparation<'_> {
     /// Returns the positions along an axis. The centres of both volumes coincide; the outermost voxels are extended.
-    fn places(&self, axis: usize) -> Vec<Place> {
+    fn places(&self, axis: usize) -> Vec<ResamplePosition> {
         let (old, new) = (self.volume.dims[axis], self.dims[axis]);
         let step = f64::from(self.edge) / f64::from(self.volume.voxel_size[axis]);
         let place = |i: u32| {
@@ -120,7 +120,7 @@ impl Preparation<'_> {
             let at = at.clamp(0.0, f64::from(old - 1));
             let lower = at as usize;
             let upper = (lower + 1).min(old as usize - 1);
-            Place { lower, upper, share: (at - lower as f64) as f32 }
+            ResamplePosition { lower, upper, share: (at - lower as f64) as f32 }
         };
         (0..new).map(place).collect()
     }

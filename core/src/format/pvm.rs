@@ -54,7 +54,7 @@ impl PvmHeader {
     /// Parses the header at the start of `prefix`: the whole file, or at least its first [`HEADER_LIMIT`] bytes.
     pub fn parse(prefix: &[u8]) -> Result<PvmHeader, FormatError> {
         let prefix = &prefix[..prefix.len().min(HEADER_LIMIT)];
-        let mut lines = Lines { prefix, at: 0 };
+        let mut lines = HeaderLines { prefix, at: 0 };
         let version = match prefix {
             [b'P', b'V', b'M', b'\n', ..] => 1,
             [b'P', b'V', b'M', b'2', b'\n', ..] => 2,
@@ -132,12 +132,12 @@ impl PvmHeader {
 }
 
 /// Iterates over the lines of a header.
-struct Lines<'a> {
+struct HeaderLines<'a> {
     prefix: &'a [u8],
     at: usize,
 }
 
-impl<'a> Lines<'a> {
+impl<'a> HeaderLines<'a> {
     fn next(&mut self, what: &'static str) -> Result<&'a [u8], FormatError> {
         let rest = &self.prefix[self.at..];
         let Some(len) = rest.iter().position(|&b| b == b'\n') else {

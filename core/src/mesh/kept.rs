@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::budget::StagePieces;
 use super::place::{AtCorners, OnSurface, VertexPlacement};
 use super::rows::LatticeCells;
-use super::slab::{CornerKey, Scratch, Slab};
+use super::slab::{CornerKey, Slab, SlabScratch};
 use super::smoothing::SmoothField;
 use super::{Budget, Mesh, MeshError, MeshKind, MeshPart, VertexColours};
 use crate::progress::Progress;
@@ -27,12 +27,12 @@ const BLOCK: UVec3 = UVec3::new(LatticeCells::MOST_ALONG_X, 16, 16);
 
 /// The part of a block, and the keys of its vertices.
 #[derive(Default, Debug)]
-struct Block {
+struct MeshBlock {
     part: MeshPart,
     keys: Vec<CornerKey>,
 }
 
-impl Block {
+impl MeshBlock {
     fn heap_bytes(&self) -> u64 {
         self.part.heap_bytes() + (self.keys.capacity() * size_of::<CornerKey>()) as u64
     }
@@ -66,7 +66,7 @@ pub struct KeptMesh {
     /// The smooth surface.
     smoothing: Option<SmoothField>,
     /// The blocks in the order x, y, z.
-    blocks: Vec<Block>,
+    blocks: Vec<MeshBlock>,
 }
 
 impl KeptMesh {
@@ -84,7 +84,7 @@ impl KeptMesh {
     /// Returns the bytes in memory.
     pub fn heap_bytes(&self) -> u64 {
         let smoothing = self.smoothing.as_ref().map_or(0, SmoothField::heap_bytes);
-        smoothing + self.blocks.iter().map(Block::heap_bytes).sum::<u64>()
+        smoothing + self.blocks.iter().map(MeshBlock::heap_bytes).sum::<u64>()
     }
 
     /// Updates the mesh to `contents`, which have version `version`, within `limits`. Returns the number of rebuilt
@@ -118,14 +118,14 @@ impl KeptMesh {
             Some(changed) => blocks_of(grid, changed),
             None => {
                 self.blocks.clear();
-                self.blocks.resize_with(count as usize, Block::default);
+                self.blocks.resize_with(count as usize, MeshBlock::default);
                 (0..count).collect()
             }
         };
         let budget = Budget::new(limits);
-        budget.take(self.blocks.iter().map(Block::heap_bytes).sum::<u64>());
+        budget.take(self.blocks.iter().map(MeshBlock::heap_bytes).sum::<u64>());
         let taken = |&block: &u32| (block, std::mem::take(&mut self.blocks[block as usize]));
-        let mut anew: Vec<(u32, Block)> = stale.iter().map(taken).collect();
+        let mut anew: Vec<(u32, MeshBlock)> = stale.iter().map(taken).collect();
         progress.begin("making the mesh");
         let pieces = StagePieces::new(progress, [0.0, 1.0], anew.len());
         match &self.smoothing {
@@ -174,7 +174,7 @@ impl KeptMesh {
         }
         // The indices of the vertices at the lowest sides of blocks, which other blocks share.
         let mut shared = HashMap::new();
-        for (block, Block { keys, .. }) in self.blocks.iter().enumerate() {
+        for (block, MeshBlock { keys, .. }) in self.blocks.iter().enumerate() {
             let cells = cells_of(dims, block);
             let mut number = firsts[block];
             for key in keys {
@@ -186,7 +186,7 @@ impl KeptMesh {
                 }
             }
         }
-        let parts = self.blocks.par_iter().enumerate().map(|(block, Block { part, keys })| {
+        let parts = self.blocks.par_iter().enumerate().map(|(block, MeshBlock { part, keys })| {
             let cells = cells_of(dims, block);
             let first = firsts[block];
             let mut own = MeshPart { first_vertex: first, ..MeshPart::default() };
@@ -217,19 +217,19 @@ fn remake<P: VertexPlacement>(
     contents: &Contents,
     coloured: bool,
     place: &P,
-    blocks: &mut [(u32, Block)],
+    blocks: &mut [(u32, MeshBlock)],
     budget: &Budget,
     pieces: &StagePieces,
 ) {
     let slab = Slab { contents, place, coloured };
-    let make = |scratch: &mut Scratch<P::Layer>, (block, made): &mut (u32, Block)| {
+    let make = |scratch: &mut SlabScratch<P::Layer>, (block, made): &mut (u32, MeshBlock)| {
         if pieces.is_cancelled() {
             return false;
         }
         let cells = cells_of(contents.grid.dims(), *block as usize);
         let is_made = match is_uniform(&contents.grid, &cells) {
             true => {
-                *made = Block::default();
+                *made = MeshBlock::default();
                 true
             }
             false => slab.fill_block(&cells, scratch, budget, (&mut made.part, &mut made.keys)),
@@ -238,7 +238,7 @@ fn remake<P: VertexPlacement>(
         is_made
     };
     // A row of cells is one word.
-    blocks.par_iter_mut().map_init(|| Scratch::new(1), make).all(|is_made| is_made);
+    blocks.par_iter_mut().map_init(|| SlabScratch::new(1), make).all(|is_made| is_made);
 }
 
 /// Returns the number of blocks along each axis of a grid of `dims` voxels.

@@ -60,17 +60,17 @@ impl CornerKey {
 }
 
 /// Reusable memory for making parts.
-pub struct Scratch<L> {
+pub struct SlabScratch<L> {
     near: L,
     corners: RowOfCorners,
     faces: RowOfFaces,
     layers: [VertexLayer; 2],
 }
 
-impl<L: Default> Scratch<L> {
+impl<L: Default> SlabScratch<L> {
     /// Returns memory for rows of `width` words.
-    pub fn new(width: usize) -> Scratch<L> {
-        Scratch {
+    pub fn new(width: usize) -> SlabScratch<L> {
+        SlabScratch {
             near: L::default(),
             corners: RowOfCorners::new(width),
             faces: RowOfFaces::new(width),
@@ -91,7 +91,7 @@ impl<P: VertexPlacement> Slab<'_, P> {
         let (first, end) = (i64::from(layers.start), i64::from(layers.end));
         let rows = VoxelRows::of(&self.contents.grid, first - 1..end + 1);
         let mut part = MeshPart::default();
-        let mut scratch = Scratch::new(rows.width());
+        let mut scratch = SlabScratch::new(rows.width());
         self.fill_part(&rows, layers, &mut scratch, budget, (&mut part, None)).then_some(part)
     }
 
@@ -101,7 +101,7 @@ impl<P: VertexPlacement> Slab<'_, P> {
     pub(crate) fn fill_block(
         &self,
         cells: &LatticeCells,
-        scratch: &mut Scratch<P::Layer>,
+        scratch: &mut SlabScratch<P::Layer>,
         budget: &Budget,
         (part, keys): (&mut MeshPart, &mut Vec<CornerKey>),
     ) -> bool {
@@ -116,7 +116,7 @@ impl<P: VertexPlacement> Slab<'_, P> {
         &self,
         rows: &VoxelRows,
         layers: Range<u32>,
-        scratch: &mut Scratch<P::Layer>,
+        scratch: &mut SlabScratch<P::Layer>,
         budget: &Budget,
         (part, mut keys): (&mut MeshPart, Option<&mut Vec<CornerKey>>),
     ) -> bool {
@@ -133,7 +133,7 @@ impl<P: VertexPlacement> Slab<'_, P> {
         if self.coloured {
             part.colours.reserve_exact(face_count);
         }
-        let Scratch { near, corners: row, faces, layers: [layer, above] } = scratch;
+        let SlabScratch { near, corners: row, faces, layers: [layer, above] } = scratch;
         layer.read(rows, layers.start.into(), row);
         let mut base = 0;
         for z in layers {

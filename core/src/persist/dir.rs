@@ -12,7 +12,7 @@ use std::io::{ErrorKind, Result};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::files::{Appender, FileSystem, Source};
+use super::files::{Appender, FileSystem, InputFile};
 
 /// The ending of an incomplete file.
 pub(super) const UNFINISHED: &str = "new";
@@ -59,12 +59,12 @@ impl FileDir {
     }
 
     /// Opens a file and locks it: [`FileSystem::open`].
-    pub fn open(&self, path: &Path) -> Result<Source> {
+    pub fn open(&self, path: &Path) -> Result<InputFile> {
         self.files.open(path)
     }
 
     /// Opens a complete file: [`FileSystem::open_shared`].
-    pub fn open_shared(&self, path: &Path) -> Result<Source> {
+    pub fn open_shared(&self, path: &Path) -> Result<InputFile> {
         self.files.open_shared(path)
     }
 

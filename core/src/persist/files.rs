@@ -24,9 +24,9 @@ pub trait FileSystem: Debug + Send + Sync {
     /// Returns the files of a folder; none if it does not exist.
     fn list(&self, folder: &Path) -> Result<Vec<PathBuf>>;
     /// Opens a file for reading and locks it; [`ErrorKind::WouldBlock`] if it is locked.
-    fn open(&self, path: &Path) -> Result<Source>;
+    fn open(&self, path: &Path) -> Result<InputFile>;
     /// Opens for reading a file that is complete and never written again. Does not lock it.
-    fn open_shared(&self, path: &Path) -> Result<Source> {
+    fn open_shared(&self, path: &Path) -> Result<InputFile> {
         self.open(path)
     }
 }
@@ -48,7 +48,7 @@ pub trait Appender: Debug + Send {
 }
 
 /// A file to read.
-pub struct Source {
+pub struct InputFile {
     /// Its bytes.
     pub reader: Box<dyn Read + Send>,
     /// Their number.
@@ -100,13 +100,13 @@ impl FileSystem for Disk {
         }
     }
 
-    fn open(&self, path: &Path) -> Result<Source> {
+    fn open(&self, path: &Path) -> Result<InputFile> {
         let file = File::open(path)?;
         lock(&file)?;
         source(file)
     }
 
-    fn open_shared(&self, path: &Path) -> Result<Source> {
+    fn open_shared(&self, path: &Path) -> Result<InputFile> {
         source(File::open(path)?)
     }
 }
@@ -152,7 +152,7 @@ pub(super) fn has_name(file: &File) -> bool {
     file.metadata().is_ok_and(has_name)
 }
 
-fn source(file: File) -> Result<Source> {
+fn source(file: File) -> Result<InputFile> {
     let found = file.metadata()?;
     if !found.is_file() {
         return Err(Error::new(ErrorKind::InvalidInput, "this is no file"));
@@ -161,7 +161,7 @@ fn source(file: File) -> Result<Source> {
     let changed_unix_s =
         found.modified().ok().and_then(|time| since_1970(time).ok()).map(|age| age.as_secs());
     let reader = Box::new(std::io::BufReader::with_capacity(1 << 16, file));
-    Ok(Source { reader, bytes: found.len(), changed_unix_s })
+    Ok(InputFile { reader, bytes: found.len(), changed_unix_s })
 }
 
 impl Appender for DiskFile {

@@ -94,7 +94,7 @@ impl From<RepairError> for CheckError {
 
 /// A kind of problem that a print may have.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Kind {
+pub enum FaultKind {
     /// Pieces that neither stand on the bed nor are connected to another piece.
     Islands,
     /// Empty regions that are not connected to the outside.
@@ -105,34 +105,35 @@ pub enum Kind {
     Overhangs,
 }
 
-impl Kind {
+impl FaultKind {
     /// All, in the order of the report.
-    pub const ALL: [Kind; 4] = [Kind::Islands, Kind::Cavities, Kind::ThinWalls, Kind::Overhangs];
+    pub const ALL: [FaultKind; 4] =
+        [FaultKind::Islands, FaultKind::Cavities, FaultKind::ThinWalls, FaultKind::Overhangs];
 
     /// Returns its name for the user.
     pub const fn name(self) -> &'static str {
         match self {
-            Kind::Islands => "floating pieces",
-            Kind::Cavities => "closed cavities",
-            Kind::ThinWalls => "thin walls",
-            Kind::Overhangs => "overhangs",
+            FaultKind::Islands => "floating pieces",
+            FaultKind::Cavities => "closed cavities",
+            FaultKind::ThinWalls => "thin walls",
+            FaultKind::Overhangs => "overhangs",
         }
     }
 
     /// Returns its name for programs.
     pub const fn key(self) -> &'static str {
         match self {
-            Kind::Islands => "islands",
-            Kind::Cavities => "cavities",
-            Kind::ThinWalls => "thin_walls",
-            Kind::Overhangs => "overhangs",
+            FaultKind::Islands => "islands",
+            FaultKind::Cavities => "cavities",
+            FaultKind::ThinWalls => "thin_walls",
+            FaultKind::Overhangs => "overhangs",
         }
     }
 }
 
 /// The location of a fault.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Place {
+pub struct FaultLocation {
     /// Number of voxels.
     pub voxels: u64,
     /// The smallest box around them.
@@ -143,13 +144,13 @@ pub struct Place {
 #[derive(Clone, PartialEq, Debug)]
 pub struct Finding {
     /// The kind of problem.
-    pub kind: Kind,
+    pub kind: FaultKind,
     /// Number of places; [`Finding::places`] lists the largest.
     pub count: usize,
     /// Voxels of all places.
     pub voxels: u64,
     /// The largest first, at most [`MOST_PLACES`].
-    pub places: Vec<Place>,
+    pub places: Vec<FaultLocation>,
     /// The voxels of all places.
     pub marked: ListedBricks,
     /// The repairs, the best first. Only support material helps overhangs.
@@ -174,12 +175,12 @@ pub struct Checked {
 impl Checked {
     /// Returns whether it can be printed as it is, with support for overhangs.
     pub fn is_printable(&self) -> bool {
-        let supported = |finding: &Finding| finding.kind == Kind::Overhangs;
+        let supported = |finding: &Finding| finding.kind == FaultKind::Overhangs;
         self.size_mm != Vec3::ZERO && self.fits && self.findings.iter().all(supported)
     }
 
     /// Returns the finding of a kind, if there is one.
-    pub fn finding(&self, kind: Kind) -> Option<&Finding> {
+    pub fn finding(&self, kind: FaultKind) -> Option<&Finding> {
         self.findings.iter().find(|finding| finding.kind == kind)
     }
 }
@@ -238,7 +239,7 @@ pub fn check(
     let thicken = vec![Repair::Thicken { to_vx: wall_vx }];
     findings.extend(places::gathered(
         grid,
-        Kind::ThinWalls,
+        FaultKind::ThinWalls,
         thin,
         thicken,
         budget_bytes,
@@ -246,7 +247,14 @@ pub fn check(
     )?);
 
     let over = overhang::overhangs(grid, options, low.y, progress).ok_or(CheckError::Cancelled)?;
-    findings.extend(places::gathered(grid, Kind::Overhangs, over, vec![], budget_bytes, progress)?);
+    findings.extend(places::gathered(
+        grid,
+        FaultKind::Overhangs,
+        over,
+        vec![],
+        budget_bytes,
+        progress,
+    )?);
     let contact = places::count_in_layer(grid, low.y) as f32;
     Ok(Checked {
         voxel_mm,
@@ -273,7 +281,7 @@ fn islands(
     // If the largest piece floats, the pieces that stand on the bed are removed.
     let keep = if largest_stands { Keep::Standing } else { Keep::Largest };
     let repairs = vec![Repair::RemoveIslands { keep, smaller_vx: None }];
-    Ok(of_pieces(grid, &found, Kind::Islands, repairs, &|piece| !standing[piece as usize]))
+    Ok(of_pieces(grid, &found, FaultKind::Islands, repairs, &|piece| !standing[piece as usize]))
 }
 
 fn cavities(
@@ -288,14 +296,14 @@ fn cavities(
         Repair::FillCavities { smaller_vx: None },
         Repair::Drain { diameter_vx, toward: Toward::Down },
     ];
-    Ok(of_pieces(grid, &found, Kind::Cavities, repairs, &|piece| !found.reaches_border(piece)))
+    Ok(of_pieces(grid, &found, FaultKind::Cavities, repairs, &|piece| !found.reaches_border(piece)))
 }
 
 /// Returns the finding of faulty pieces.
 fn of_pieces(
     grid: &Grid,
     found: &Pieces,
-    kind: Kind,
+    kind: FaultKind,
     repairs: Vec<Repair>,
     is_wrong: &(dyn Fn(u32) -> bool + Sync),
 ) -> Option<Finding> {
@@ -303,7 +311,7 @@ fn of_pieces(
     let all = wrong.map(|(_, piece)| {
         let (min, max) = piece.bounds();
         let bounds = VoxelBox { min: min.as_ivec3(), max: max.as_ivec3() };
-        Place { voxels: piece.voxels.into(), bounds }
+        FaultLocation { voxels: piece.voxels.into(), bounds }
     });
     places::finding(kind, all.collect(), repairs, || repair::voxels_of(grid, found, is_wrong))
 }

@@ -5,7 +5,7 @@
 use glam::{IVec3, UVec3};
 use rayon::prelude::*;
 
-use super::{CheckError, Finding, Kind, MOST_PLACES, Place};
+use super::{CheckError, FaultKind, FaultLocation, Finding, MOST_PLACES};
 use crate::progress::Progress;
 use crate::sculpture::Grid;
 use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, local_coords};
@@ -18,8 +18,8 @@ const LEAST_OVERHANG: u64 = 4;
 
 /// Returns a finding of `places`; `None` if there are none.
 pub fn finding(
-    kind: Kind,
-    mut places: Vec<Place>,
+    kind: FaultKind,
+    mut places: Vec<FaultLocation>,
     repairs: Vec<Repair>,
     marked: impl FnOnce() -> ListedBricks,
 ) -> Option<Finding> {
@@ -35,7 +35,7 @@ pub fn finding(
 /// Returns the finding of the voxels `marked`, with those within about two voxels of each other in one place.
 pub(crate) fn gathered(
     grid: &Grid,
-    kind: Kind,
+    kind: FaultKind,
     marked: ListedBricks,
     repairs: Vec<Repair>,
     budget_bytes: u64,
@@ -65,7 +65,7 @@ pub(crate) fn gathered(
     cells.fill_bricks(|b| masks[mask_of(b) as usize]);
     let found = pieces(&cells, PiecesOf::Solid, budget_bytes, progress).map_err(check_error)?;
     let none = VoxelBox { min: IVec3::MAX, max: IVec3::MIN };
-    let mut places = vec![Place { voxels: 0, bounds: none }; found.list().len()];
+    let mut places = vec![FaultLocation { voxels: 0, bounds: none }; found.list().len()];
     let place_of = |v: UVec3| found.at((v / 2 - corner).as_ivec3()).map(|piece| piece as usize);
     for v in voxels(&marked) {
         let Some(piece) = place_of(v) else { continue };
@@ -74,7 +74,7 @@ pub(crate) fn gathered(
         place.bounds.min = place.bounds.min.min(v.as_ivec3());
         place.bounds.max = place.bounds.max.max(v.as_ivec3() + 1);
     }
-    let least = if kind == Kind::Overhangs { LEAST_OVERHANG } else { 1 };
+    let least = if kind == FaultKind::Overhangs { LEAST_OVERHANG } else { 1 };
     let is_kept: Vec<bool> = places.iter().map(|place| place.voxels >= least).collect();
     places.retain(|place| place.voxels >= least);
     let kept = || {

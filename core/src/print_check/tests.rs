@@ -4,7 +4,7 @@ use glam::{IVec3, UVec3};
 use proptest::prelude::*;
 
 use super::*;
-use crate::progress::Report;
+use crate::progress::ProgressReport;
 
 const EDGE: u32 = 48;
 const ROOM: u64 = 1 << 28;
@@ -36,13 +36,13 @@ fn checked(grid: &Grid, options: &CheckOptions) -> Checked {
 
 fn overhang_of(grid: &Grid, options: &CheckOptions) -> Vec<Vec3> {
     let checked = checked(grid, options);
-    let finding = checked.finding(Kind::Overhangs);
+    let finding = checked.finding(FaultKind::Overhangs);
     let voxels = finding.map(|finding| places::voxels(&finding.marked).collect::<Vec<_>>());
     let middle = |v: UVec3| v.as_vec3() + 0.5 - EDGE as f32 * 0.5;
     voxels.unwrap_or_default().into_iter().map(middle).collect()
 }
 
-fn kinds(checked: &Checked) -> Vec<Kind> {
+fn kinds(checked: &Checked) -> Vec<FaultKind> {
     checked.findings.iter().map(|finding| finding.kind).collect()
 }
 
@@ -81,22 +81,23 @@ fn each_fault_is_found_with_the_command_that_repairs_it() {
     });
     let options = CheckOptions { wall_mm: 4.0, ..Default::default() };
     let found = checked(&faulty, &options);
-    assert_eq!(kinds(&found), Kind::ALL);
+    assert_eq!(kinds(&found), FaultKind::ALL);
     assert!(!found.is_printable());
     let finding = |kind| found.finding(kind).unwrap();
-    let island = finding(Kind::Islands);
+    let island = finding(FaultKind::Islands);
     assert_eq!((island.count, island.voxels), (1, 64));
     assert_eq!(island.places[0].bounds.min, IVec3::new(40, 32, 40));
-    assert_eq!(finding(Kind::Cavities).count, 1);
-    assert_eq!(finding(Kind::ThinWalls).count, 1);
+    assert_eq!(finding(FaultKind::Cavities).count, 1);
+    assert_eq!(finding(FaultKind::ThinWalls).count, 1);
     // Below the island; the ceiling of the cavity need not be checked here.
-    let below = |place: &Place| place.voxels == 16 && place.bounds.min == IVec3::new(40, 32, 40);
-    assert!(finding(Kind::Overhangs).places.iter().any(below));
+    let below =
+        |place: &FaultLocation| place.voxels == 16 && place.bounds.min == IVec3::new(40, 32, 40);
+    assert!(finding(FaultKind::Overhangs).places.iter().any(below));
     let lines = |kind| finding(kind).repairs.iter().map(|repair| repair.verb()).collect::<Vec<_>>();
-    assert_eq!(lines(Kind::Islands), ["remove-islands"]);
-    assert_eq!(lines(Kind::Cavities), ["fill-cavities", "drain"]);
-    assert_eq!(lines(Kind::ThinWalls), ["thicken"]);
-    assert!(lines(Kind::Overhangs).is_empty());
+    assert_eq!(lines(FaultKind::Islands), ["remove-islands"]);
+    assert_eq!(lines(FaultKind::Cavities), ["fill-cavities", "drain"]);
+    assert_eq!(lines(FaultKind::ThinWalls), ["thicken"]);
+    assert!(lines(FaultKind::Overhangs).is_empty());
     // The first repairs of all findings together leave nothing but overhangs.
     let mut repaired = faulty;
     for repair in found.findings.iter().filter_map(|finding| finding.repairs.first()) {
@@ -118,7 +119,7 @@ fn each_fault_is_found_with_the_command_that_repairs_it() {
 fn a_largest_piece_in_the_air_is_found_and_stays() {
     let hanging = grid(|p| p.abs().max_element() < 8.0 || p.y < -22.0 && p.x.abs() < 3.0);
     let found = checked(&hanging, &CheckOptions::default());
-    let island = found.finding(Kind::Islands).unwrap();
+    let island = found.finding(FaultKind::Islands).unwrap();
     assert_eq!((island.count, island.voxels), (1, 16 * 16 * 16));
     let keep = Keep::Largest;
     assert_eq!(island.repairs, [Repair::RemoveIslands { keep, smaller_vx: None }]);
@@ -211,7 +212,7 @@ fn options_out_of_range_are_named() {
     }
     let error = check(&cube, &options, 100, &()).unwrap_err().to_string();
     assert!(error.contains("allowed for grids"), "{error}");
-    let cancelled = Report::default();
+    let cancelled = ProgressReport::default();
     cancelled.cancel();
     assert_eq!(check(&cube, &options, ROOM, &cancelled), Err(CheckError::Cancelled));
 }
@@ -233,7 +234,7 @@ proptest! {
         let options = CheckOptions { wall_mm, overhang_deg, ..Default::default() };
         let own = checked(&grid(inside), &options);
         let mirrored = checked(&grid(|p| inside(p * Vec3::new(-1.0, 1.0, 1.0))), &options);
-        for kind in [Kind::Islands, Kind::Cavities] {
+        for kind in [FaultKind::Islands, FaultKind::Cavities] {
             let count = |checked: &Checked| checked.finding(kind).map(|f| (f.count, f.voxels));
             prop_assert_eq!(count(&own), count(&mirrored));
         }

@@ -22,16 +22,16 @@ const SMALL_BYTES: usize = 3 * STUB_BYTES;
 
 /// The two lists of steps.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Stack {
+enum HistoryStack {
     Undo,
     Redo,
 }
 
-impl Stack {
-    fn other(self) -> Stack {
+impl HistoryStack {
+    fn other(self) -> HistoryStack {
         match self {
-            Stack::Undo => Stack::Redo,
-            Stack::Redo => Stack::Undo,
+            HistoryStack::Undo => HistoryStack::Redo,
+            HistoryStack::Redo => HistoryStack::Undo,
         }
     }
 }
@@ -70,8 +70,8 @@ impl History {
 
     /// Puts the steps of a snapshot on top of the existing ones.
     pub(crate) fn put_all(&mut self, snapshot: HistorySnapshot) {
-        snapshot.redo.into_iter().for_each(|step| self.put(step, Stack::Redo));
-        snapshot.undo.into_iter().for_each(|step| self.put(step, Stack::Undo));
+        snapshot.redo.into_iter().for_each(|step| self.put(step, HistoryStack::Redo));
+        snapshot.undo.into_iter().for_each(|step| self.put(step, HistoryStack::Undo));
     }
 
     /// From now on, gives steps to a store instead of dropping them.
@@ -90,7 +90,7 @@ impl History {
     /// Adds a finished step and clears the redo list.
     pub fn push(&mut self, step: Step) {
         self.bytes -= self.redo.drain(..).map(|s| s.heap_bytes()).sum::<usize>();
-        self.put(Arc::new(step), Stack::Undo);
+        self.put(Arc::new(step), HistoryStack::Undo);
     }
 
     /// Returns whether the budget or the store can hold a step whose label and change take `bytes`.
@@ -113,7 +113,7 @@ impl History {
     /// # Errors
     /// If a snapshot shares the step and the system lacks the memory for a copy; it stays where it was.
     pub fn take_undo(&mut self) -> Result<Option<Step>, NoMemory> {
-        self.take(Stack::Undo)
+        self.take(HistoryStack::Undo)
     }
 
     /// Takes the step to redo next. The caller gives its reverse to [`History::redone`], or the step itself back to
@@ -122,10 +122,10 @@ impl History {
     /// # Errors
     /// As [`History::take_undo`].
     pub(crate) fn take_redo(&mut self) -> Result<Option<Step>, NoMemory> {
-        self.take(Stack::Redo)
+        self.take(HistoryStack::Redo)
     }
 
-    fn take(&mut self, from: Stack) -> Result<Option<Step>, NoMemory> {
+    fn take(&mut self, from: HistoryStack) -> Result<Option<Step>, NoMemory> {
         let Some(step) = self.stack(from).pop_back() else { return Ok(None) };
         let bytes = step.heap_bytes();
         let step = match Arc::try_unwrap(step) {
@@ -144,12 +144,12 @@ impl History {
 
     /// Puts the reverse of an undone step on the redo stack.
     pub fn undone(&mut self, reverse: Step) {
-        self.put(Arc::new(reverse), Stack::Redo);
+        self.put(Arc::new(reverse), HistoryStack::Redo);
     }
 
     /// Puts the reverse of a redone step on the undo stack.
     pub fn redone(&mut self, reverse: Step) {
-        self.put(Arc::new(reverse), Stack::Undo);
+        self.put(Arc::new(reverse), HistoryStack::Undo);
     }
 
     /// Returns the number of steps that can be undone.
@@ -216,7 +216,7 @@ impl History {
     /// Adds a step to the top of a stack. Then gives steps that exceed the memory to the store, and drops those that it
     /// does not take. Without a store, drops a step larger than the whole budget and all steps below it: callers check
     /// [`History::can_keep`] first.
-    fn put(&mut self, mut step: Arc<Step>, to: Stack) {
+    fn put(&mut self, mut step: Arc<Step>, to: HistoryStack) {
         if step.heap_bytes() > self.budget_bytes && !self.store_step(&mut step) {
             // The steps below it can only be reached through it.
             let dropped: Vec<_> = self.stack(to).drain(..).collect();
@@ -243,16 +243,16 @@ impl History {
         true
     }
 
-    fn stack(&mut self, which: Stack) -> &mut VecDeque<Arc<Step>> {
+    fn stack(&mut self, which: HistoryStack) -> &mut VecDeque<Arc<Step>> {
         match which {
-            Stack::Undo => &mut self.undo,
-            Stack::Redo => &mut self.redo,
+            HistoryStack::Undo => &mut self.undo,
+            HistoryStack::Redo => &mut self.redo,
         }
     }
 
     /// Gives the store the step furthest from the present that it can take; the top of `newest` comes last. Returns
     /// false if it takes none.
-    fn store_furthest(&mut self, newest: Stack) -> bool {
+    fn store_furthest(&mut self, newest: HistoryStack) -> bool {
         if self.store.is_none() {
             return false;
         }
@@ -277,7 +277,7 @@ impl History {
     }
 
     /// Drops the step furthest from the present; the top of `newest` comes last. Returns false if there is none.
-    fn drop_furthest(&mut self, newest: Stack) -> bool {
+    fn drop_furthest(&mut self, newest: HistoryStack) -> bool {
         let from = match self.stack(newest).len() {
             0 | 1 if !self.stack(newest.other()).is_empty() => newest.other(),
             _ => newest,

@@ -330,7 +330,7 @@ mod tests {
 
     #[test]
     fn cancelled_work_gives_nothing() {
-        let report = crate::progress::Report::default();
+        let report = crate::progress::ProgressReport::default();
         report.cancel();
         let from = scattered(UVec3::splat(16), ColourDepth::Bits8, 3);
         let result = Reorientation::new(&from, Orientation::mirroring(2));

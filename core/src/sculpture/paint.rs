@@ -34,7 +34,7 @@ pub fn paint_each(
     let Some(bricks) = BrickBox::around(region, grid).filter(|_| depth.bytes() > 0) else {
         return EditStats::default();
     };
-    let palette = Palette { depth, base, blank: material.brush(base) };
+    let palette = PageFormat { depth, base, blank: material.brush(base) };
     let parallel = bricks.brick_count() >= PARALLEL_BRICKS;
     let StrokeBands { bands, pages_kept, .. } = recorder.recording();
     let per_band = grid.bricks_per_band();
@@ -85,7 +85,7 @@ pub fn paint_each(
 }
 
 /// How colours are stored on a page.
-struct Palette {
+struct PageFormat {
     depth: ColourDepth,
     base: Rgb,
     /// Makes pages of the base colour.
@@ -101,7 +101,7 @@ struct BrickPage<'a> {
     kept: bool,
 }
 
-impl Palette {
+impl PageFormat {
     /// Paints the voxels of `mask` and returns the number of new pages, 0 or 1.
     fn paint(
         &self,

@@ -187,7 +187,7 @@ impl BrickRecord {
     /// Writes the kept values into `contents` and returns the values they replace. Adds every brick that may have
     /// changed to `touched`.
     pub fn swap(self, contents: &mut Contents, touched: &mut BrickSet) -> BrickRecord {
-        self.swap_into(Room::default(), contents, touched)
+        self.swap_into(SwapScratch::default(), contents, touched)
     }
 
     /// Performs [`BrickRecord::swap`], unless the system lacks the memory for it. Then nothing has changed, and the record
@@ -204,9 +204,9 @@ impl BrickRecord {
     }
 
     /// Returns the memory that a swap needs; `None` if the system does not provide it.
-    fn room(&self, contents: &mut Contents) -> Option<Room> {
+    fn room(&self, contents: &mut Contents) -> Option<SwapScratch> {
         let reverse = self.reverse_room(&contents.grid).ok()?;
-        let mut room = Room { reverse, ..Room::default() };
+        let mut room = SwapScratch { reverse, ..SwapScratch::default() };
         if let Some(mask) = &self.mask {
             room.of_mask = match &contents.mask {
                 Some(bits) => mask.reverse_room(bits).ok()?,
@@ -238,11 +238,11 @@ impl BrickRecord {
 
     fn swap_into(
         mut self,
-        room: Room,
+        room: SwapScratch,
         contents: &mut Contents,
         touched: &mut BrickSet,
     ) -> BrickRecord {
-        let Room { reverse, of_mask, mask: bits } = room;
+        let SwapScratch { reverse, of_mask, mask: bits } = room;
         let mask = self.take_mask();
         let mut reverse = vectorised(
             #[inline(always)]
@@ -316,7 +316,7 @@ impl BrickRecord {
     ) -> BrickRecord {
         let bits = contents.mask.take().map(|mask| *mask).or(new);
         let mut mask = Contents::of_bits(bits.unwrap_or_else(|| contents.grid.emptied()));
-        let room = Room { reverse, ..Room::default() };
+        let room = SwapScratch { reverse, ..SwapScratch::default() };
         let reverse = self.swap_into(room, &mut mask, touched);
         contents.mask = Some(Box::new(mask.grid));
         contents.drop_empty_mask();
@@ -352,7 +352,7 @@ impl BrickRecord {
 
 /// Memory for a swap.
 #[derive(Default)]
-struct Room {
+struct SwapScratch {
     /// An empty record, and one for the mask.
     reverse: BrickRecord,
     of_mask: BrickRecord,

@@ -10,7 +10,7 @@ use super::histories::Histories;
 use crate::command::{Command, CommandClass};
 use crate::document::{Document, Limits};
 use crate::format::FormatError;
-use crate::persist::files::Source;
+use crate::persist::files::InputFile;
 use crate::persist::frame::Ending;
 use crate::persist::journal::{Checkpoint, JournalEntry, JournalError, JournalReader, Mark};
 use crate::progress::Progress;
@@ -67,7 +67,7 @@ pub struct Summary {
 /// # Errors
 /// If it holds no complete checkpoint. Entries after the checkpoint are replayed as far as possible.
 pub fn recover(
-    source: Source,
+    source: InputFile,
     limits: &Limits,
     history_folder: Option<&Path>,
     progress: &dyn Progress,
@@ -122,7 +122,7 @@ pub fn recover(
 ///
 /// # Errors
 /// As [`recover`].
-pub fn summary(source: Source, limits: &Limits) -> Result<Summary, JournalError> {
+pub fn summary(source: InputFile, limits: &Limits) -> Result<Summary, JournalError> {
     let (mut reader, checkpoint) = JournalReader::open(source, limits)?;
     let document = &checkpoint.document;
     let mut steps = document.history.undo.len() as u64;

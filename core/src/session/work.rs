@@ -78,15 +78,15 @@ pub(super) enum Task {
 
 /// The result of work.
 #[derive(Debug)]
-pub struct Done {
+pub struct FinishedWork {
     pub(super) command: Command,
-    pub(super) outcome: Outcome,
+    pub(super) outcome: WorkOutcome,
     /// The duration of the work.
     pub(super) took: Duration,
 }
 
 #[derive(Debug)]
-pub(super) enum Outcome {
+pub(super) enum WorkOutcome {
     New(Box<Contents>),
     /// `state`: of the document that they were computed from.
     Oriented {
@@ -118,27 +118,27 @@ pub(super) enum Outcome {
 
 impl Work {
     /// Runs the work. On failure or cancellation nothing has changed.
-    pub fn run(self, progress: &dyn Progress) -> Result<Done, SessionError> {
+    pub fn run(self, progress: &dyn Progress) -> Result<FinishedWork, SessionError> {
         let began = Instant::now();
         let outcome = match self.task {
             Task::New { new, limits } => {
-                Outcome::New(Box::new(document::make_contents(&new, &limits)?))
+                WorkOutcome::New(Box::new(document::make_contents(&new, &limits)?))
             }
             Task::Orient { orientation, contents, limits, state } => {
                 let contents =
                     document::orient_contents(&contents, orientation, &limits, progress)?;
-                Outcome::Oriented { orientation, contents: Box::new(contents), state }
+                WorkOutcome::Oriented { orientation, contents: Box::new(contents), state }
             }
             Task::Repair { repair, contents, limits, state } => {
                 let plan = document::plan_repair(&contents, &repair, &limits, progress)?;
-                Outcome::Repaired { repair, plan, state }
+                WorkOutcome::Repaired { repair, plan, state }
             }
             Task::Open { path, embedded: Some(file), limits, .. } => {
                 let read = format::read_embedded(&file, &limits, progress);
                 let failed = |error| SessionError::Open { path: path.clone(), error };
                 let loaded = Box::new(read.map_err(failed)?);
                 // The file at its path may differ from the embedded one.
-                Outcome::Opened { path, loaded, identity: None, history: FoundHistory::Nothing }
+                WorkOutcome::Opened { path, loaded, identity: None, history: FoundHistory::Nothing }
             }
             Task::Open { path, embedded: None, import, limits, histories } => {
                 // Computed before reading: the session then does not know of a change made meanwhile.
@@ -146,7 +146,7 @@ impl Work {
                 let loaded = Box::new(load(&path, &import, &limits, progress)?);
                 let history =
                     histories::find(histories.as_deref(), identity, &loaded.contents, &limits);
-                Outcome::Opened { path, loaded, identity, history }
+                WorkOutcome::Opened { path, loaded, identity, history }
             }
             Task::Save {
                 path,
@@ -179,17 +179,17 @@ impl Work {
                     Ok(notes) => {
                         let identity = FileIdentity::of(&path);
                         let history = histories::to_keep(steps, &path, identity, &contents);
-                        Outcome::Saved { path, notes, state, identity, history, lock }
+                        WorkOutcome::Saved { path, notes, state, identity, history, lock }
                     }
                     Err(error) => return Err(SessionError::Save { path, error }),
                 }
             }
         };
-        Ok(Done { command: self.command, outcome, took: began.elapsed() })
+        Ok(FinishedWork { command: self.command, outcome, took: began.elapsed() })
     }
 }
 
-impl Done {
+impl FinishedWork {
     /// Returns the command that was executed.
     pub fn command(&self) -> &Command {
         &self.command

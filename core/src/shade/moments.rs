@@ -14,7 +14,7 @@ const REACH_SQUARED: i32 = 6;
 
 /// The neighbours of a voxel in the eight words around it.
 #[derive(Clone, Copy)]
-struct Masks {
+struct NeighbourMasks {
     /// The neighbours two voxels up on some axis.
     upper: [u64; 8],
     /// The other neighbours.
@@ -22,13 +22,13 @@ struct Masks {
 }
 
 /// The masks for voxel `2 + (x, y, z)` of a cube of 8^3, at index `x + 4y + 16z`.
-static NEIGHBOURS: [Masks; 64] = neighbours();
+static NEIGHBOURS: [NeighbourMasks; 64] = neighbours();
 
 /// The voxels of a word whose x, y, z is 0. Shifted by `1 << 2 * axis`, they are those of 1.
 const PLANES: [u64; 3] = [0x1111_1111_1111_1111, 0x000F_000F_000F_000F, 0xFFFF];
 
-const fn neighbours() -> [Masks; 64] {
-    let mut masks = [Masks { upper: [0; 8], lower: [0; 8] }; 64];
+const fn neighbours() -> [NeighbourMasks; 64] {
+    let mut masks = [NeighbourMasks { upper: [0; 8], lower: [0; 8] }; 64];
     let mut voxel = 0;
     while voxel < 64 {
         let mut other = 0;

@@ -12,7 +12,7 @@ use super::light::{Lighting, Smoothing};
 use super::normal_field::PackedNormal;
 use super::occlusion::OpennessTables;
 use super::pixels::Pixels;
-use super::smooth::{Shown, Surfaces};
+use super::smooth::{PixelSurface, Surfaces};
 use super::software::{ShadePose, shade};
 use super::source::ShadeSource;
 use crate::sculpture::{Grid, NO_VOXEL};
@@ -21,8 +21,8 @@ use crate::surface::IndexMap;
 /// The software shader with its buffers.
 #[derive(Debug, Default)]
 pub struct SoftwareShader {
-    shown: Vec<Shown>,
-    smooth: Vec<Shown>,
+    shown: Vec<PixelSurface>,
+    smooth: Vec<PixelSurface>,
     /// Shares of the ambient light and of the sun's that arrive.
     reaching: Vec<[f32; 2]>,
 }
@@ -68,7 +68,7 @@ impl SoftwareShader {
         let rows = out.rgba.par_chunks_mut(width).zip(map.voxels.par_chunks(width)).enumerate();
         rows.for_each(|(y, (out, voxels))| {
             let row = y * width..(y + 1) * width;
-            let row = Row {
+            let row = PixelRow {
                 grid: source.grid,
                 voxels,
                 shown: &shown[row.clone()],
@@ -88,13 +88,13 @@ impl SoftwareShader {
     ) {
         let grid = source.grid;
         let width = map.rays.size.x as usize;
-        self.shown.resize(map.voxels.len(), Shown::default());
+        self.shown.resize(map.voxels.len(), PixelSurface::default());
         self.reaching.resize(map.voxels.len(), [1.0; 2]);
         let rows = self.shown.par_chunks_mut(width).zip(self.reaching.par_chunks_mut(width));
         rows.zip(map.voxels.par_chunks(width)).enumerate().for_each(
             |(y, ((shown, reaching), voxels))| {
                 let normals = map.normals.get(y * width..(y + 1) * width);
-                let mut last = (NO_VOXEL, Shown::default(), [1.0; 2]);
+                let mut last = (NO_VOXEL, PixelSurface::default(), [1.0; 2]);
                 let mut tables = OpennessTables::default();
                 for (x, ((shown, reaching), &voxel)) in
                     shown.iter_mut().zip(reaching).zip(voxels).enumerate()
@@ -122,11 +122,11 @@ impl SoftwareShader {
     }
 }
 
-fn show(source: &ShadeSource, illumination: &Illumination, v: UVec3) -> Shown {
+fn show(source: &ShadeSource, illumination: &Illumination, v: UVec3) -> PixelSurface {
     let rgb = source.colours(illumination.colour).rgb(v);
     let normal = illumination.normal_from_gradient * source.outwards(v, source.normal(v));
     let colour = Vec3::from(rgb.0.map(f32::from)) / 255.0;
-    Shown {
+    PixelSurface {
         position: illumination.eye_from_grid.transform_point3(v.as_vec3() + 0.5),
         normal: normal.normalize_or_zero(),
         colour: colour * colour,
@@ -134,14 +134,14 @@ fn show(source: &ShadeSource, illumination: &Illumination, v: UVec3) -> Shown {
 }
 
 /// A row of pixels with their surfaces.
-struct Row<'a> {
+struct PixelRow<'a> {
     grid: &'a Grid,
     voxels: &'a [u32],
-    shown: &'a [Shown],
+    shown: &'a [PixelSurface],
     reaching: &'a [[f32; 2]],
 }
 
-impl Row<'_> {
+impl PixelRow<'_> {
     /// Shades a row. `back` maps normals in eye space to gradients.
     #[inline(always)]
     fn shade<S: Simd>(

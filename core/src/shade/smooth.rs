@@ -23,7 +23,7 @@ const PLANE_REACH_VX: f32 = 2.0;
 
 /// The surface point of a pixel. Vectors are in eye space.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
-pub(super) struct Shown {
+pub(super) struct PixelSurface {
     /// Centre of the voxel.
     pub position: Vec3,
     /// Unit length, or zero if there is none.
@@ -37,7 +37,7 @@ pub(super) struct Surfaces<'a> {
     pub size: UVec2,
     /// [`NO_VOXEL`] where no voxel is visible.
     pub voxels: &'a [u32],
-    pub shown: &'a [Shown],
+    pub shown: &'a [PixelSurface],
     /// Mean edge of a voxel in eye space.
     pub voxel_edge: f32,
     /// Size of a pixel at distance 1 from the eye.
@@ -47,7 +47,7 @@ pub(super) struct Surfaces<'a> {
 impl Surfaces<'_> {
     /// Computes the mean normals (unit length) and colours of every pixel, row by row. `normals` and `colours` select
     /// the neighbourhoods; values that are not filtered are copied.
-    pub fn smooth(&self, normals: Smoothing, colours: Smoothing, out: &mut Vec<Shown>) {
+    pub fn smooth(&self, normals: Smoothing, colours: Smoothing, out: &mut Vec<PixelSurface>) {
         out.clear();
         out.extend_from_slice(self.shown);
         let width = self.size.x as usize;
@@ -75,7 +75,7 @@ impl Surfaces<'_> {
         });
     }
 
-    fn mean(&self, at: UVec2, smoothing: Smoothing) -> Shown {
+    fn mean(&self, at: UVec2, smoothing: Smoothing) -> PixelSurface {
         let width = self.size.x as usize;
         let centre = self.shown[at.x as usize + at.y as usize * width];
         let reach = smoothing.reach();
@@ -100,11 +100,11 @@ impl Surfaces<'_> {
         }
         // The pixel itself always counts.
         let normal = normal.normalize_or(centre.normal);
-        Shown { normal, colour: colour / sum, ..centre }
+        PixelSurface { normal, colour: colour / sum, ..centre }
     }
 
     /// Returns the weight of `other` beside `centre`, 0 to 1.
-    fn weight(&self, centre: &Shown, other: &Shown) -> f32 {
+    fn weight(&self, centre: &PixelSurface, other: &PixelSurface) -> f32 {
         let off_vx = (other.position - centre.position).dot(centre.normal) / self.voxel_edge;
         let plane = (1.0 - (off_vx / PLANE_REACH_VX).powi(2)).max(0.0);
         // A missing normal matches all others.
@@ -178,7 +178,7 @@ mod tests {
             .map(|i| {
                 // A slope with noise, so that some neighbours count and some do not.
                 let base = Vec3::new((i % 40) as f32, (i / 40) as f32, -30.0);
-                Shown {
+                PixelSurface {
                     position: base * 0.1 + vec(&mut random) * 0.2,
                     normal: (Vec3::Z + vec(&mut random) * 0.8).normalize(),
                     colour: vec(&mut random).abs(),
@@ -218,7 +218,7 @@ mod tests {
                     _ => (Vec3::Z, -40.0),
                 };
                 let position = Vec3::new(x as f32 * 0.1, 0.0, depth);
-                Shown { position, normal, colour: Vec3::splat((x / 10) as f32) }
+                PixelSurface { position, normal, colour: Vec3::splat((x / 10) as f32) }
             })
             .collect();
         let surfaces =

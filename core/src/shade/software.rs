@@ -68,15 +68,15 @@ pub fn shade_rect(
 
 /// Pixels of an index map.
 #[derive(Clone, Copy)]
-struct Seen<'a> {
+struct IndexPixels<'a> {
     voxels: &'a [u32],
     normals: Option<&'a [u16]>,
 }
 
-impl<'a> Seen<'a> {
+impl<'a> IndexPixels<'a> {
     #[inline(always)]
-    fn part(&self, range: Range<usize>) -> Seen<'a> {
-        Seen {
+    fn part(&self, range: Range<usize>) -> IndexPixels<'a> {
+        IndexPixels {
             voxels: &self.voxels[range.clone()],
             normals: self.normals.map(|normals| &normals[range]),
         }
@@ -99,7 +99,7 @@ struct Shader<'a> {
 
 /// The data looked up for sixteen pixels.
 #[derive(Default)]
-struct Found {
+struct PixelLookups {
     /// In the grid.
     coords: [[u32; LANES]; 3],
     bricks: [u32; LANES],
@@ -110,7 +110,7 @@ struct Found {
     points: SurfacePoints,
 }
 
-impl Found {
+impl PixelLookups {
     fn coords(&self, lane: usize) -> UVec3 {
         UVec3::from(self.coords.each_ref().map(|axis| axis[lane]))
     }
@@ -118,9 +118,9 @@ impl Found {
 
 /// The buffers of one task.
 #[derive(Default)]
-struct Scratch {
+struct StripScratch {
     /// A row of a strip.
-    row: [Found; STRIP_PX / LANES],
+    row: [PixelLookups; STRIP_PX / LANES],
     tables: OpennessTables,
 }
 
@@ -157,7 +157,7 @@ impl<'a> Shader<'a> {
             .enumerate()
             .for_each(|(i, (out, voxels))| {
                 let normals = normals.map(|normals| &normals[i * band..][..voxels.len()]);
-                let seen = Seen { voxels, normals };
+                let seen = IndexPixels { voxels, normals };
                 dispatch!(level, simd => self.shade(simd, width, columns.clone(), seen, out));
             });
     }
@@ -171,10 +171,10 @@ impl Shader<'_> {
         simd: S,
         width: usize,
         columns: Range<usize>,
-        seen: Seen,
+        seen: IndexPixels,
         out: &mut [[u8; 4]],
     ) {
-        let mut scratch = Scratch::default();
+        let mut scratch = StripScratch::default();
         for left in columns.clone().step_by(STRIP_PX) {
             let strip = left..columns.end.min(left + STRIP_PX);
             self.fetch(simd, width, strip.clone(), seen.voxels);
@@ -224,7 +224,7 @@ impl Shader<'_> {
         simd: S,
         voxels: &[u32; STRIP_PX],
         own: Option<&[u16]>,
-        Scratch { row, tables }: &mut Scratch,
+        StripScratch { row, tables }: &mut StripScratch,
         out: &mut [[u8; 4]],
     ) {
         let (groups, _) = voxels.as_chunks::<LANES>();
@@ -274,7 +274,7 @@ impl Shader<'_> {
 
     /// Computes the coordinates of voxels.
     #[inline(always)]
-    fn locate<S: Simd>(&self, simd: S, voxels: u32x16<S>, found: &mut Found) {
+    fn locate<S: Simd>(&self, simd: S, voxels: u32x16<S>, found: &mut PixelLookups) {
         let places = self.places.coords(simd, voxels);
         for (place, position) in places.iter().zip(&mut found.points.position) {
             (place.to_float::<f32x16<S>>() + 0.5).store_array(position);
@@ -292,7 +292,7 @@ impl Shader<'_> {
 
     /// Looks up the colours of voxels that have their own.
     #[inline(always)]
-    fn colours(&self, found: &mut Found) {
+    fn colours(&self, found: &mut PixelLookups) {
         let material = self.source.material;
         let (mut last, mut page) = (u32::MAX, None);
         for lane in 0..LANES {
@@ -314,7 +314,7 @@ impl Shader<'_> {
         &self,
         simd: S,
         seen: u32,
-        found: &mut Found,
+        found: &mut PixelLookups,
         tables: &mut OpennessTables,
     ) {
         let records = u32x16::load_array_ref(simd, &found.records);
@@ -329,7 +329,13 @@ impl Shader<'_> {
 
     /// Computes the share of the sun's light that reaches the voxels of the lanes `seen`.
     #[inline(always)]
-    fn sunlight(&self, sun: &ShadowSun, seen: u32, voxels: &[u32; LANES], found: &mut Found) {
+    fn sunlight(
+        &self,
+        sun: &ShadowSun,
+        seen: u32,
+        voxels: &[u32; LANES],
+        found: &mut PixelLookups,
+    ) {
         for lane in bits(seen) {
             found.points.sunlit[lane] = if lane > 0 && voxels[lane] == voxels[lane - 1] {
                 found.points.sunlit[lane - 1]
@@ -342,7 +348,7 @@ impl Shader<'_> {
 
     /// Looks up the normals of pixels or of their voxels.
     #[inline(always)]
-    fn normals<S: Simd>(&self, simd: S, seen: u32, own: Option<&[u16]>, found: &mut Found) {
+    fn normals<S: Simd>(&self, simd: S, seen: u32, own: Option<&[u16]>, found: &mut PixelLookups) {
         let none = u32::from(PackedNormal::NONE.0);
         let mut normals = u32x16::load_array_ref(simd, &found.records) & 0xFFFF;
         if let Some(own) = own {
@@ -367,7 +373,7 @@ impl Shader<'_> {
 
 /// Tints the colours of protected voxels.
 #[inline(always)]
-fn tint(mask: &Grid, depth: ColourDepth, found: &mut Found) {
+fn tint(mask: &Grid, depth: ColourDepth, found: &mut PixelLookups) {
     for lane in 0..LANES {
         let [x, y, z] = [0, 3, 6].map(|bit| found.locals[lane] >> bit & IN_BRICK);
         if mask.brick_at(found.bricks[lane] as usize).get(x, y, z) {

@@ -4,7 +4,7 @@ use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
 
 use super::pieces::{PiecesError, PiecesOf, fill_holes, keep_largest, pieces};
-use crate::progress::{Progress, Report};
+use crate::progress::{Progress, ProgressReport};
 use crate::refusal::{MemoryBudget, OverBudget};
 use crate::sculpture::Grid;
 
@@ -175,7 +175,7 @@ fn memory_is_bounded_and_the_work_can_be_cancelled() {
     );
     let error = pieces(&grid, PiecesOf::Solid, 200_000, &()).unwrap_err().to_string();
     assert!(error.contains("threshold") && error.contains("allowed for grids"), "{error}");
-    let report = Report::default();
+    let report = ProgressReport::default();
     report.cancel();
     assert!(report.is_cancelled());
     let mut same = hollow();

@@ -106,9 +106,9 @@ impl Tint {
 }
 
 /// A tint, prepared for many voxels of a grid.
-pub struct Tinter(Prepared);
+pub struct Tinter(PreparedTint);
 
-enum Prepared {
+enum PreparedTint {
     Adjust {
         /// As in [`Tint::Adjust`].
         change: [f32; 3],
@@ -138,7 +138,7 @@ impl Tinter {
         Tinter(match *tint {
             Tint::Adjust { hue_deg, saturation, value } => {
                 let change = [hue_deg, saturation, value];
-                Prepared::Adjust { change, base: [base, adjusted(base, change)] }
+                PreparedTint::Adjust { change, base: [base, adjusted(base, change)] }
             }
             Tint::Gradient { from_vx, to_vx, colours, strength } => {
                 let span = (to_vx - from_vx) * edges;
@@ -148,10 +148,10 @@ impl Tinter {
                 let mut table: Vec<Rgb> = (0..STEPS).map(at).collect();
                 // The ends are exactly the requested colours.
                 (table[0], table[STEPS - 1]) = (colours[0], colours[1]);
-                Prepared::Gradient { start: from_vx, per_voxel, table, strength }
+                PreparedTint::Gradient { start: from_vx, per_voxel, table, strength }
             }
             Tint::Noise { colour, size, amount, seed } => {
-                Prepared::Noise { colour, scale: edges / size, amount, seed }
+                PreparedTint::Noise { colour, scale: edges / size, amount, seed }
             }
         })
     }
@@ -159,10 +159,9 @@ impl Tinter {
     /// Returns whether voxels of the base colour are certain to keep it.
     pub(crate) fn keeps_base(&self) -> bool {
         match &self.0 {
-            Prepared::Adjust { base: [base, adjusted], .. } => base == adjusted,
-            Prepared::Gradient { strength: share, .. } | Prepared::Noise { amount: share, .. } => {
-                *share == 0.0
-            }
+            PreparedTint::Adjust { base: [base, adjusted], .. } => base == adjusted,
+            PreparedTint::Gradient { strength: share, .. }
+            | PreparedTint::Noise { amount: share, .. } => *share == 0.0,
         }
     }
 
@@ -170,16 +169,16 @@ impl Tinter {
     pub fn colour(&self, v: UVec3, now: Rgb) -> Rgb {
         let centre = v.as_vec3() + 0.5;
         match &self.0 {
-            Prepared::Adjust { change, base: [base, adjusted_base] } => match now == *base {
+            PreparedTint::Adjust { change, base: [base, adjusted_base] } => match now == *base {
                 true => *adjusted_base,
                 false => adjusted(now, *change),
             },
-            Prepared::Gradient { start, per_voxel, table, strength } => {
+            PreparedTint::Gradient { start, per_voxel, table, strength } => {
                 let share = (centre - start).dot(*per_voxel).clamp(0.0, 1.0);
                 let colour = table[(share * (STEPS - 1) as f32 + 0.5) as usize];
                 blended(now, colour, *strength)
             }
-            Prepared::Noise { colour, scale, amount, seed } => {
+            PreparedTint::Noise { colour, scale, amount, seed } => {
                 blended(now, *colour, amount * noise(centre * scale, *seed))
             }
         }

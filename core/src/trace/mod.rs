@@ -33,7 +33,7 @@ pub use denoise::denoise;
 pub use environment::{AreaLight, Gradient, Lamp, LightOptions, SunDisc, SunLight};
 pub use film::{Film, MAX_PIXELS, PixelSum};
 pub use lens::Pupil;
-pub use prepared::{Prepared, PreparedGround, pass_rays, prepare};
+pub use prepared::{PreparedGround, PreparedTrace, pass_rays, prepare};
 pub use tone::{display_pixels, preview_pixels};
 
 use crate::progress::Progress;
@@ -59,7 +59,7 @@ const HALF_FADED_RADII: f32 = 12.0;
 
 /// The ground under the sculpture.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Ground {
+pub struct TraceGround {
     /// Its colour.
     pub colour: Rgb,
 }
@@ -83,7 +83,7 @@ pub struct TraceOptions {
     /// The sources of light.
     pub light: LightOptions,
     /// The ground; if `None`, the sculpture floats.
-    pub ground: Option<Ground>,
+    pub ground: Option<TraceGround>,
     /// The lens.
     pub lens: Lens,
 }
@@ -94,7 +94,7 @@ impl Default for TraceOptions {
             samples: 64,
             bounces: 8,
             light: LightOptions::default(),
-            ground: Some(Ground { colour: GROUND_COLOUR }),
+            ground: Some(TraceGround { colour: GROUND_COLOUR }),
             lens: Lens { aperture: 0.0, focus: Vec2::splat(0.5) },
         }
     }

@@ -13,7 +13,7 @@ use crate::view::{PixelRays, sample_offset_px};
 
 /// See the module text.
 #[derive(Clone, Copy, Debug)]
-pub struct Prepared {
+pub struct PreparedTrace {
     /// The placement of the grid.
     pub world_from_grid: Affine3A,
     /// Its inverse for directions.
@@ -56,11 +56,15 @@ pub struct PreparedGround {
 }
 
 /// Returns the numbers of a final picture of voxels; `source` has all its normals.
-pub fn prepare(source: &ShadeSource, camera: &TraceCamera, options: &TraceOptions) -> Prepared {
+pub fn prepare(
+    source: &ShadeSource,
+    camera: &TraceCamera,
+    options: &TraceOptions,
+) -> PreparedTrace {
     let tracer = tracer((source, None), camera, options);
     let (scene, environment) = (&tracer.scene, &tracer.environment);
     let rays = camera.eye.pixel_rays(&camera.world_from_grid);
-    Prepared {
+    PreparedTrace {
         world_from_grid: scene.world_from_grid,
         grid_from_world: scene.grid_from_world,
         world_from_normal: scene.world_from_normal,

@@ -14,7 +14,7 @@
 
 use glam::{Affine3A, IVec3, Mat3, UVec3, Vec3};
 
-use super::Ground;
+use super::TraceGround;
 use super::linear::linear_colour;
 use super::prepared::PreparedGround;
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
@@ -86,11 +86,11 @@ impl<'a> PathScene<'a> {
         up: Vec3,
         bounds: (Vec3, Vec3),
         lowest: f32,
-        ground: Option<Ground>,
+        ground: Option<TraceGround>,
     ) -> PathScene<'a> {
         let linear = Mat3::from(world_from_grid.matrix3);
         let grid_from_world = linear.inverse();
-        let plane = |ground: Ground| PreparedGround {
+        let plane = |ground: TraceGround| PreparedGround {
             height: linear.transpose() * up,
             offset: up.dot(world_from_grid.translation.into()) - lowest,
             albedo: linear_colour(ground.colour),

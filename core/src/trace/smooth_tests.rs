@@ -33,7 +33,7 @@ fn furnace() -> TraceOptions {
         samples: 4,
         bounces: 4000,
         light: LightOptions::Uniform(Vec3::ONE),
-        ground: Some(Ground { colour: WHITE }),
+        ground: Some(TraceGround { colour: WHITE }),
         ..TraceOptions::default()
     }
 }

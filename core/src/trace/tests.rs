@@ -3,7 +3,7 @@
 use glam::{UVec2, UVec3, Vec2, Vec3};
 
 use super::*;
-use crate::progress::Report;
+use crate::progress::ProgressReport;
 use crate::scenes;
 use crate::sculpture::{ColourDepth, Grid, Material, Placement};
 use crate::shade::NormalField;
@@ -76,7 +76,7 @@ fn white_surfaces_vanish_in_a_white_furnace() {
             samples: 4,
             bounces: 4000,
             light: LightOptions::Uniform(Vec3::ONE),
-            ground: Some(Ground { colour: WHITE }),
+            ground: Some(TraceGround { colour: WHITE }),
             ..TraceOptions::default()
         };
         for ground in [None, furnace.ground] {
@@ -256,7 +256,7 @@ fn the_filter_keeps_an_even_picture_and_removes_noise_without_edges() {
         light: LightOptions::Uniform(Vec3::ONE),
         ..TraceOptions::default()
     };
-    let furnace = TraceOptions { ground: Some(Ground { colour: WHITE }), ..furnace };
+    let furnace = TraceOptions { ground: Some(TraceGround { colour: WHITE }), ..furnace };
     for pixel in denoise(even.trace(&furnace)).pixels() {
         assert!((pixel.radiance - 1.0).abs().max_element() < 1e-3, "{pixel:?}");
     }
@@ -285,7 +285,7 @@ fn the_filter_keeps_an_even_picture_and_removes_noise_without_edges() {
 #[test]
 fn a_cancelled_picture_is_none_and_too_large_ones_are_refused() {
     let subject = subject(cheese(), WHITE, SIZE);
-    let report = Report::default();
+    let report = ProgressReport::default();
     report.cancel();
     let options = TraceOptions::default();
     let cancelled = trace((&subject.source(), None), &subject.camera, &options, &report);

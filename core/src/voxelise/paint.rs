@@ -25,7 +25,7 @@ pub struct Painter<'a> {
 
 /// A triangle beside a voxel: brick in the layer, voxel in the brick (9 bits), and triangle (32 bits).
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Beside(u64);
+struct VoxelTriangle(u64);
 
 impl Painter<'_> {
     /// Gives the voxels of `grid` at the mesh's surface their colours.
@@ -69,7 +69,7 @@ impl Painter<'_> {
     }
 
     /// Adds the crossings of rays along x and y in a layer of bricks, and sorts all by voxels.
-    fn gather(&self, grid: &Grid, layer: usize, beside: &mut Vec<Beside>) {
+    fn gather(&self, grid: &Grid, layer: usize, beside: &mut Vec<VoxelTriangle>) {
         let dims = grid.dims();
         let slices = layer * BRICK_EDGE_VX as usize
             ..((layer + 1) * BRICK_EDGE_VX as usize).min(dims.z as usize);
@@ -87,7 +87,7 @@ impl Painter<'_> {
         grid: &Grid,
         rays: &Rays,
         crossings: &[super::crossings::MeshCrossing],
-        f: &mut dyn FnMut(usize, Beside),
+        f: &mut dyn FnMut(usize, VoxelTriangle),
     ) {
         let (dims, axis) = (grid.dims(), rays.axis);
         let count = dims[axis];
@@ -96,7 +96,7 @@ impl Painter<'_> {
             let (brick, local) = (v / BRICK_EDGE_VX, v % BRICK_EDGE_VX);
             let brick_in_layer = u64::from(brick.x + bricks.x * brick.y);
             let place = brick_in_layer << 9 | u64::from(local_index(local.x, local.y, local.z));
-            f(brick.z as usize, Beside(place << 32 | triangle as u64));
+            f(brick.z as usize, VoxelTriangle(place << 32 | triangle as u64));
         };
         for crossing in crossings {
             let at = |along: u32| voxel(dims, axis, crossing.ray(), along);
@@ -118,7 +118,7 @@ impl Painter<'_> {
         grid: &Grid,
         material: &Material,
         layer: usize,
-        beside: &[Beside],
+        beside: &[VoxelTriangle],
     ) -> Vec<(usize, Page)> {
         let (depth, bricks) = (material.depth(), grid.brick_dims());
         let of_brick = beside.chunk_by(|a, b| a.0 >> 41 == b.0 >> 41);
@@ -140,7 +140,7 @@ impl Painter<'_> {
             .collect()
     }
 
-    fn colour(&self, v: UVec3, beside: &[Beside]) -> Rgb {
+    fn colour(&self, v: UVec3, beside: &[VoxelTriangle]) -> Rgb {
         let centre = v.as_vec3() + 0.5;
         let mut best = (f32::INFINITY, 0, Vec3::X);
         for beside in beside {

@@ -79,7 +79,7 @@ fn set_span(row: &mut [u64], start: u32, end: u32) {
 }
 
 /// The inside by rays along y or z.
-struct Across {
+struct CrossRays {
     /// Rows along the rays' axis within each slice.
     bits: Vec<u64>,
     /// Rays through holes: a row of bits for each slice.
@@ -87,7 +87,7 @@ struct Across {
 }
 
 /// Returns the inside by rays that run from row to row, in `slices` of `rows` rows of `size_x` voxels.
-fn along(rays: &Rays, size_x: u32, rows: usize, slices: usize) -> Across {
+fn along(rays: &Rays, size_x: u32, rows: usize, slices: usize) -> CrossRays {
     let width = size_x.div_ceil(64) as usize;
     let size_x = size_x as usize;
     let mut bits = vec![0u64; width * rows * slices];
@@ -112,7 +112,7 @@ fn along(rays: &Rays, size_x: u32, rows: usize, slices: usize) -> Across {
             bits[at] ^= bits[at - width];
         }
     });
-    Across { bits, unsure }
+    CrossRays { bits, unsure }
 }
 
 /// Returns the voxels on both sides of the surface. Those of one side alone would touch only at edges on the steps of a

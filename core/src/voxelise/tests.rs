@@ -223,7 +223,7 @@ fn what_cannot_be_is_refused_before_memory_is_taken() {
     let (found, findings) = voxelise(&torn, 40, Fill::Auto);
     assert!(findings.open_share > 0.0 && !findings.is_shell);
     assert!(found.grid.opaque_count() > 30_000);
-    let report = crate::progress::Report::default();
+    let report = crate::progress::ProgressReport::default();
     report.cancel();
     let frame = around(&mesh, MeshSize::LongestVx(16)).unwrap();
     let cancelled =

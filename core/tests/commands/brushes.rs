@@ -4,7 +4,7 @@ use glam::Vec3;
 use proptest::prelude::*;
 use sculpture_core::sculpture::Rgb;
 use sculpture_core::tools::brush::footprint::{Coverage, Footprint, Outline};
-use sculpture_core::tools::brush::param::{Domain, Omitted, Param, Unit, Value};
+use sculpture_core::tools::brush::param::{Domain, Omitted, OptionValue, Param, Unit};
 use sculpture_core::tools::brush::spec::{ContactKind, Script};
 use sculpture_core::tools::brush::{
     BrushBall, BrushDirection, BrushId, BrushSurface, BrushUse, Contact,
@@ -29,7 +29,7 @@ pub struct Parts {
     /// Normals and displacements.
     pub vector: BoxedStrategy<Vec3>,
     /// Values of parameters.
-    pub value: fn(&Param) -> BoxedStrategy<Value>,
+    pub value: fn(&Param) -> BoxedStrategy<OptionValue>,
 }
 
 /// Returns a use of any brush, without an image.
@@ -49,10 +49,10 @@ pub fn brush_use(parts: &Parts) -> impl Strategy<Value = BrushUse> + use<> {
                 }
                 for param in script.params {
                     let instead = |other: &str| {
-                        used.iter().any(|(p, value)| p.key == other && value != Value::Absent)
+                        used.iter().any(|(p, value)| p.key == other && value != OptionValue::Absent)
                     };
                     if matches!(param.omitted, Omitted::InsteadOf(other, _) if instead(other)) {
-                        used.set_value(param.key, Value::Absent);
+                        used.set_value(param.key, OptionValue::Absent);
                     }
                 }
                 used
@@ -65,7 +65,7 @@ pub fn brush_use(parts: &Parts) -> impl Strategy<Value = BrushUse> + use<> {
 pub fn stencil(parts: &Parts) -> impl Strategy<Value = BrushUse> + use<> {
     let params = BrushId::Paint.spec().params();
     let cover = params.iter().find(|param| param.key == "cover").unwrap();
-    let colour = prop_oneof![Just(Value::Absent), colour().prop_map(Value::Colour)];
+    let colour = prop_oneof![Just(OptionValue::Absent), colour().prop_map(OptionValue::Colour)];
     let contact = contact(ContactKind::Footprint, parts);
     (path(), contact, colour, (parts.value)(cover)).prop_map(|(picture, contact, colour, cover)| {
         let mut used = BrushUse::new(BrushId::Paint, contact);
@@ -113,41 +113,46 @@ fn contact(kind: ContactKind, parts: &Parts) -> BoxedStrategy<Contact> {
     }
 }
 
-fn maybe_absent(param: &Param, value: fn(&Param) -> BoxedStrategy<Value>) -> BoxedStrategy<Value> {
+fn maybe_absent(
+    param: &Param,
+    value: fn(&Param) -> BoxedStrategy<OptionValue>,
+) -> BoxedStrategy<OptionValue> {
     match param.omitted {
-        Omitted::Unwritten(Value::Absent) => prop_oneof![Just(Value::Absent), value(param)].boxed(),
+        Omitted::Unwritten(OptionValue::Absent) => {
+            prop_oneof![Just(OptionValue::Absent), value(param)].boxed()
+        }
         _ => value(param),
     }
 }
 
 /// Returns the values that a parameter can have, with lengths that suit a small sculpture.
-pub fn valid(param: &Param) -> BoxedStrategy<Value> {
+pub fn valid(param: &Param) -> BoxedStrategy<OptionValue> {
     match param.domain {
         Domain::Number([least, most]) if param.unit == Unit::Voxels => {
-            (least.max(-FAR_VX)..=most.min(FAR_VX)).prop_map(Value::Number).boxed()
+            (least.max(-FAR_VX)..=most.min(FAR_VX)).prop_map(OptionValue::Number).boxed()
         }
-        Domain::Number([least, most]) => (least..=most).prop_map(Value::Number).boxed(),
+        Domain::Number([least, most]) => (least..=most).prop_map(OptionValue::Number).boxed(),
         Domain::Whole([least, most]) if param.unit == Unit::Voxels => {
-            (least..=most.min(3)).prop_map(Value::Whole).boxed()
+            (least..=most.min(3)).prop_map(OptionValue::Whole).boxed()
         }
-        Domain::Whole([least, most]) => (least..=most).prop_map(Value::Whole).boxed(),
-        Domain::Switch => any::<bool>().prop_map(Value::On).boxed(),
-        Domain::Choice(choices) => (0..choices.len() as u8).prop_map(Value::Choice).boxed(),
-        Domain::Colour => colour().prop_map(Value::Colour).boxed(),
+        Domain::Whole([least, most]) => (least..=most).prop_map(OptionValue::Whole).boxed(),
+        Domain::Switch => any::<bool>().prop_map(OptionValue::On).boxed(),
+        Domain::Choice(choices) => (0..choices.len() as u8).prop_map(OptionValue::Choice).boxed(),
+        Domain::Colour => colour().prop_map(OptionValue::Colour).boxed(),
         Domain::Radius => panic!("{} is no parameter of a command", param.key),
     }
 }
 
 /// Returns values of the type of a parameter, most of which it does not allow.
-pub fn hostile(param: &Param) -> BoxedStrategy<Value> {
+pub fn hostile(param: &Param) -> BoxedStrategy<OptionValue> {
     match param.domain {
-        Domain::Number(_) => super::refusals::number().prop_map(Value::Number).boxed(),
+        Domain::Number(_) => super::refusals::number().prop_map(OptionValue::Number).boxed(),
         Domain::Whole(_) => prop::sample::select(vec![0u32, 1, 8, 9, 26, 27, u32::MAX])
-            .prop_map(Value::Whole)
+            .prop_map(OptionValue::Whole)
             .boxed(),
-        Domain::Choice(_) => (0..4u8).prop_map(Value::Choice).boxed(),
-        Domain::Switch => any::<bool>().prop_map(Value::On).boxed(),
-        Domain::Colour => Just(Value::Colour(Rgb::STONE)).boxed(),
+        Domain::Choice(_) => (0..4u8).prop_map(OptionValue::Choice).boxed(),
+        Domain::Switch => any::<bool>().prop_map(OptionValue::On).boxed(),
+        Domain::Colour => Just(OptionValue::Colour(Rgb::STONE)).boxed(),
         Domain::Radius => panic!("{} is no parameter of a command", param.key),
     }
 }

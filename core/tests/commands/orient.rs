@@ -165,7 +165,7 @@ fn the_long_part_runs_without_the_session_or_is_cancelled() {
     let orient: Command = "orient upright=-z".parse().unwrap();
     let before = session.document().contents().clone();
 
-    let cancelled = sculpture_core::progress::Report::default();
+    let cancelled = sculpture_core::progress::ProgressReport::default();
     cancelled.cancel();
     let work = session.prepare(&orient).unwrap().unwrap();
     assert!(work.run(&cancelled).unwrap_err().is_cancelled());

@@ -6,7 +6,7 @@ use sculpture_core::command::{Command, MaskArea, MaskChange};
 use sculpture_core::sculpture::Rgb;
 use sculpture_core::sculpture::edit::EditOp;
 use sculpture_core::tools::brush::footprint::{Coverage, Footprint, Outline};
-use sculpture_core::tools::brush::param::{Domain, Omitted, Param, Value};
+use sculpture_core::tools::brush::param::{Domain, Omitted, OptionValue, Param};
 use sculpture_core::tools::brush::spec::{BrushGroup, ContactKind};
 use sculpture_core::tools::brush::{BrushBall, BrushDirection, BrushId, BrushUse, Contact};
 use sculpture_core::tools::drawn::{DrawnSolid, FURTHEST_VX, SolidPose};
@@ -129,7 +129,7 @@ pub fn without_strength(place: &Place) -> Vec<Command> {
         for param in spec.params().iter().filter(|param| param.omitted == Omitted::Required) {
             used.set_value(param.key, value(param, 1.0));
         }
-        used.set_value(measure.key, Value::Number(0.0));
+        used.set_value(measure.key, OptionValue::Number(0.0));
         Some(Command::Brush(used))
     };
     BrushId::ALL.iter().filter_map(none).collect()
@@ -161,14 +161,14 @@ fn has_sense(param: &Param) -> bool {
     matches!(param.domain, Domain::Number([least, _]) if least < 0.0)
 }
 
-fn value(param: &Param, sense: f32) -> Value {
+fn value(param: &Param, sense: f32) -> OptionValue {
     match param.domain {
-        Domain::Number([_, most]) if has_sense(param) => Value::Number(0.25 * sense * most),
-        Domain::Number([_, most]) => Value::Number(most),
-        Domain::Whole([_, most]) => Value::Whole(most),
-        Domain::Choice(_) => Value::Choice(0),
-        Domain::Switch => Value::On(true),
-        Domain::Colour => Value::Colour(Rgb::new(255, 255, 0)),
+        Domain::Number([_, most]) if has_sense(param) => OptionValue::Number(0.25 * sense * most),
+        Domain::Number([_, most]) => OptionValue::Number(most),
+        Domain::Whole([_, most]) => OptionValue::Whole(most),
+        Domain::Choice(_) => OptionValue::Choice(0),
+        Domain::Switch => OptionValue::On(true),
+        Domain::Colour => OptionValue::Colour(Rgb::new(255, 255, 0)),
         Domain::Radius => panic!("{} is no parameter of a command", param.key),
     }
 }

@@ -6,7 +6,7 @@ use std::io::{Cursor, Error, ErrorKind, Result};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard};
 
-use sculpture_core::persist::files::{Appender, FileSystem, Source, Syncer};
+use sculpture_core::persist::files::{Appender, FileSystem, InputFile, Syncer};
 
 /// The way in which an operation fails.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -198,7 +198,7 @@ impl FileSystem for Memory {
         self.operate(|disk| Ok(disk.names.keys().cloned().collect()))
     }
 
-    fn open(&self, path: &Path) -> Result<Source> {
+    fn open(&self, path: &Path) -> Result<InputFile> {
         self.operate(|disk| {
             let file = &disk.files[*disk.names.get(path).ok_or(ErrorKind::NotFound)?];
             if file.locked {
@@ -206,7 +206,7 @@ impl FileSystem for Memory {
             }
             let bytes = file.bytes.len() as u64;
             let reader = Box::new(Cursor::new(file.bytes.clone()));
-            Ok(Source { reader, bytes, changed_unix_s: None })
+            Ok(InputFile { reader, bytes, changed_unix_s: None })
         })
     }
 }

@@ -8,7 +8,7 @@ use glam::UVec2;
 
 use super::board_ui::BoardUi;
 use crate::app::Workspace;
-use crate::gpu::{Attachment, Device, EyeImage, GpuError, ImagePart, Load, Recorder, Use};
+use crate::gpu::{Attachment, Device, EyeImage, GpuError, ImagePart, Load, Recorder, ResourceUse};
 use crate::input::hands::HandEvent;
 use crate::render::gui::{Gui, TextureChanges};
 use crate::shade::Pixels;
@@ -67,7 +67,7 @@ impl BoardPane {
         Pass { shapes: output.shapes, textures: output.textures_delta.into() }
     }
 
-    /// Records the picture of a pass and leaves it in the layout of [`Use::COPY_SOURCE`]. `slot`:
+    /// Records the picture of a pass and leaves it in the layout of [`ResourceUse::COPY_SOURCE`]. `slot`:
     /// [`crate::gpu::Frames::slot`].
     pub fn draw(
         &mut self,
@@ -79,14 +79,14 @@ impl BoardPane {
         let context = self.ui.context();
         let points = context.pixels_per_point();
         let primitives = context.tessellate(std::mem::take(&mut pass.shapes), points);
-        self.picture.begin_overwrite(recorder, 0, Use::COLOUR_TARGET);
+        self.picture.begin_overwrite(recorder, 0, ResourceUse::COLOUR_TARGET);
         let view = self.picture.image().view();
         let attachment = Attachment { view, load: Load::Colour([0.0; 4]), store: true };
         let size = self.picture.size().to_array();
         recorder.begin_rendering(size, Some(attachment), None);
         self.gui.draw(recorder, size, points, primitives)?;
         recorder.end_rendering();
-        self.picture.transition(recorder, 0, Use::COPY_SOURCE);
+        self.picture.transition(recorder, 0, ResourceUse::COPY_SOURCE);
         Ok(self.picture.image().layer(0))
     }
 
@@ -108,7 +108,7 @@ impl BoardPane {
             image.layer(0),
             image.size(),
             4,
-            Use::COPY_SOURCE,
+            ResourceUse::COPY_SOURCE,
         )?;
         Ok(Pixels { size: self.picture.size(), rgba: bytemuck::pod_collect_to_vec(&bytes) })
     }

@@ -12,7 +12,7 @@ use crate::app::Workspace;
 use crate::config::Config;
 use crate::editor::pen_use::{PenTool, PenUse};
 use crate::editor::sizes::SizeUnit;
-use crate::editor::symmetry::Placed;
+use crate::editor::symmetry::SymmetryPart;
 use crate::editor::tool::{NextPress, ToolKind};
 use crate::input::hands::{HandMapper, HandSettings, HandSide, HandState, HandsState};
 use crate::input::pad::stick::Response;
@@ -142,7 +142,7 @@ fn a_hand_draws_lines_and_curves_as_one_step() {
 
 #[test]
 fn the_symmetry_goes_with_the_hand_until_the_trigger_is_let_go() {
-    for what in [Placed::Plane, Placed::Axis] {
+    for what in [SymmetryPart::Plane, SymmetryPart::Axis] {
         let mut person = Person::new(DIMS);
         person.workspace.editor.tool.next_press = Some(NextPress::Symmetry(what));
         let place = |person: &Person| {
@@ -153,7 +153,7 @@ fn the_symmetry_goes_with_the_hand_until_the_trigger_is_let_go() {
         person.hold(MIDDLE, 0.0, 5);
         assert_eq!(place(&person), None);
         person.hold(MIDDLE, 1.0, 3);
-        let direction = if what == Placed::Plane { Vec3::X } else { Vec3::Y };
+        let direction = if what == SymmetryPart::Plane { Vec3::X } else { Vec3::Y };
         let (at, along) = place(&person).unwrap();
         assert_eq!(along, direction);
         assert!(at.distance(Vec3::splat(32.0)) < 1.0, "{at}");

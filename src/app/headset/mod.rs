@@ -40,7 +40,7 @@ const POLL: Duration = Duration::from_millis(100);
 
 /// A session with a headset, or the attempts to begin one.
 pub struct Headset {
-    state: State,
+    state: HeadsetConnection,
     attempts: ConnectAttempts,
     retry: RetryDelay,
     screenshots: Option<EyeScreenshots>,
@@ -51,7 +51,7 @@ pub struct Headset {
     validation_messages: usize,
 }
 
-enum State {
+enum HeadsetConnection {
     Disconnected {
         retry_at: Instant,
     },
@@ -73,7 +73,7 @@ impl Headset {
         let started = Instant::now();
         let options = settings.session(device);
         Headset {
-            state: State::Disconnected { retry_at: started },
+            state: HeadsetConnection::Disconnected { retry_at: started },
             attempts: ConnectAttempts::new(settings.clone(), options, Arc::new(send)),
             retry: RetryDelay::default(),
             screenshots: screenshots.map(EyeScreenshots::new),
@@ -87,13 +87,13 @@ impl Headset {
     /// once the person has exited.
     pub fn poll(&mut self, workspace: &mut Workspace) -> Option<Instant> {
         let now = Instant::now();
-        if let State::Disconnected { retry_at } = self.state
+        if let HeadsetConnection::Disconnected { retry_at } = self.state
             && now >= retry_at
         {
             self.connect(workspace);
         }
         self.take_result(workspace);
-        if let State::Connected(frames) = &mut self.state
+        if let HeadsetConnection::Connected(frames) = &mut self.state
             && frames.becomes_unresponsive(workspace)
         {
             let text = "The headset's runtime does not respond";
@@ -101,9 +101,9 @@ impl Headset {
             workspace.ui.toasts.error(text);
         }
         match &self.state {
-            State::Disconnected { retry_at } => Some(*retry_at),
-            State::Connecting | State::Connected(_) => Some(now + POLL),
-            State::Exited => None,
+            HeadsetConnection::Disconnected { retry_at } => Some(*retry_at),
+            HeadsetConnection::Connecting | HeadsetConnection::Connected(_) => Some(now + POLL),
+            HeadsetConnection::Exited => None,
         }
     }
 
@@ -113,7 +113,7 @@ impl Headset {
             return;
         }
         let now_s = self.started.elapsed().as_secs_f64();
-        let State::Connected(frames) = &mut self.state else { return };
+        let HeadsetConnection::Connected(frames) = &mut self.state else { return };
         match event {
             XrEvent::Frame(frame) => {
                 let result = frames.frame(workspace, &frame, &mut self.screenshots, now_s);
@@ -139,19 +139,21 @@ impl Headset {
 
     /// Returns whether pictures are visible in the headset.
     pub fn is_showing(&self) -> bool {
-        matches!(&self.state, State::Connected(frames) if frames.is_showing())
+        matches!(&self.state, HeadsetConnection::Connected(frames) if frames.is_showing())
     }
 
     /// Returns whether the person has exited the program in the headset.
     pub fn has_exited(&self) -> bool {
-        matches!(self.state, State::Exited)
+        matches!(self.state, HeadsetConnection::Exited)
     }
 
     /// Returns the number of messages of the validation layers so far.
     pub fn validation_messages(&self) -> usize {
         let count = |log: Arc<ValidationLog>| log.messages().len();
         match &self.state {
-            State::Connected(frames) => self.validation_messages + count(frames.validation_log()),
+            HeadsetConnection::Connected(frames) => {
+                self.validation_messages + count(frames.validation_log())
+            }
             _ => self.validation_messages,
         }
     }
@@ -166,14 +168,14 @@ impl Headset {
             depth: workspace.session().document().material().depth(),
         };
         match self.attempts.begin(start) {
-            Ok(()) => self.state = State::Connecting,
+            Ok(()) => self.state = HeadsetConnection::Connecting,
             Err(error) => self.lose(workspace, &error),
         }
     }
 
     /// Takes the result of the attempt to connect.
     fn take_result(&mut self, workspace: &mut Workspace) {
-        if !matches!(self.state, State::Connecting) {
+        if !matches!(self.state, HeadsetConnection::Connecting) {
             return;
         }
         match self.attempts.take_result() {
@@ -184,7 +186,7 @@ impl Headset {
                 self.retry.note_success();
                 workspace.display.blends = frames.blends();
                 workspace.ui.view.suit_device(frames.is_software());
-                self.state = State::Connected(frames);
+                self.state = HeadsetConnection::Connected(frames);
             }
             Some(Err(error)) => self.lose(workspace, &error),
             None => {}
@@ -199,12 +201,15 @@ impl Headset {
             tracing::warn!("no headset: {reason}; trying again every {delay:?}");
             workspace.ui.toasts.error(format!("No headset: {reason}. Still looking for one."));
         }
-        self.state = State::Disconnected { retry_at: Instant::now() + self.retry.delay };
+        self.state =
+            HeadsetConnection::Disconnected { retry_at: Instant::now() + self.retry.delay };
     }
 
     /// Ends the actions of the hands, and the session.
     fn disconnect(&mut self, workspace: &mut Workspace) {
-        if let State::Connected(mut frames) = std::mem::replace(&mut self.state, State::Exited) {
+        if let HeadsetConnection::Connected(mut frames) =
+            std::mem::replace(&mut self.state, HeadsetConnection::Exited)
+        {
             frames.release_hands(workspace);
             workspace.display.blends.clear();
             self.placed |= frames.is_placed();

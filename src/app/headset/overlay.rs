@@ -8,7 +8,7 @@ use glam::Vec3;
 use crate::app::overlay::{self, OverlayScene};
 use crate::app::workspace::Workspace;
 use crate::editor::hand::grid_point;
-use crate::render::overlay::{Line, ToolPreview};
+use crate::render::overlay::{OverlayLine, ToolPreview};
 use crate::sculpture::Rgb;
 use crate::view::Room;
 
@@ -26,11 +26,12 @@ pub fn overlay(
     room: &Room,
     ray: Option<[Vec3; 2]>,
     floor: bool,
-) -> (Option<ToolPreview>, Vec<Line>) {
+) -> (Option<ToolPreview>, Vec<OverlayLine>) {
     // The pointer and the surface under it belong to the window.
     let scene = OverlayScene { seen: None, pointer: None, ..workspace.overlay_scene() };
     let (preview, mut lines) = (overlay::preview(&scene), overlay::lines(&scene));
-    let line = |from, to, colour, width_px, opacity| Line { from, to, colour, width_px, opacity };
+    let line =
+        |from, to, colour, width_px, opacity| OverlayLine { from, to, colour, width_px, opacity };
     let editor = &workspace.editor;
     let cone = editor.hand.cone(editor.document(), &editor.tool, room);
     if let Some(cone) = cone.filter(|_| workspace.ui.view.tool) {

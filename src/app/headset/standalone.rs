@@ -8,7 +8,7 @@ use super::Headset;
 use crate::app::AppError;
 use crate::app::Workspace;
 use crate::config::Config;
-use crate::editor::recovery::{self, Kept};
+use crate::editor::recovery::{self, SecuredPlace};
 use crate::folders::state_folder;
 use crate::gpu::DeviceOptions;
 use crate::input::Bindings;
@@ -46,13 +46,15 @@ pub fn run(
     if headset.has_exited() && workspace.session().modified() {
         // The runtime has ended the program without a chance to ask.
         match recovery::secure(workspace.session_mut(), &state_folder()) {
-            Ok(Kept::Journal(path)) => {
+            Ok(SecuredPlace::Journal(path)) => {
                 tracing::warn!(
                     "the work is in the journal {}: the next start offers it",
                     path.display()
                 )
             }
-            Ok(Kept::File(path)) => tracing::warn!("the sculpture was saved to {}", path.display()),
+            Ok(SecuredPlace::File(path)) => {
+                tracing::warn!("the sculpture was saved to {}", path.display())
+            }
             Err(error) => tracing::error!("the sculpture could not be saved: {}", told(&error)),
         }
     }

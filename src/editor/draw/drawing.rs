@@ -27,7 +27,7 @@ const MOST_LOOKS: f32 = 1024.0;
 
 /// The start of a drag: a position in voxels, and the surface normal there; zero in the air.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Ground {
+pub struct DragStart {
     pub point: Vec3,
     pub face: Vec3,
 }
@@ -52,7 +52,7 @@ pub struct Drawing {
     inverse: bool,
     /// The view of the drawing.
     view: DrawView,
-    ground: Ground,
+    ground: DragStart,
     /// Path of the pointer, in pixels: all of it, or the first and the last point.
     pointer_px: Vec<Vec2>,
     /// Points of a line or a curve, in voxels.
@@ -67,7 +67,7 @@ impl Drawing {
         mode: ToolMode,
         inverse: bool,
         view: DrawView,
-        ground: Ground,
+        ground: DragStart,
         at: Vec2,
     ) -> Drawing {
         let depth = view.sight.depth(ground.point);
@@ -94,7 +94,7 @@ impl Drawing {
     }
 
     /// Moves the base of letters.
-    pub fn stand_on(&mut self, ground: Ground) {
+    pub fn stand_on(&mut self, ground: DragStart) {
         self.ground = ground;
     }
 

@@ -28,7 +28,7 @@ use crate::input::{DrawKind, ToolMode};
 use crate::picking::geometry::surface_point;
 use crate::picking::{Picker, SurfacePoint};
 
-use drawing::{Drawing, Ground};
+use drawing::{DragStart, Drawing};
 use held::HeldPath;
 use unfinished::Unfinished;
 use view::DrawView;
@@ -264,25 +264,25 @@ fn ground_at(
     tool_view: &ToolView,
     picker: &Picker,
     view: &DrawView,
-) -> Option<Ground> {
+) -> Option<DragStart> {
     let grid = tool_view.grid();
     let seen = picker.map().and_then(|map| surface_point(map, grid, at));
     match kind {
         DrawKind::Box => {
             let wall = || block::far_wall(view, at).filter(|_| mode == ToolMode::Add);
-            seen.or_else(wall).map(|SurfacePoint { point, face }| Ground { point, face })
+            seen.or_else(wall).map(|SurfacePoint { point, face }| DragStart { point, face })
         }
         DrawKind::Text => {
             let point = tool_view.target(at, picker)?;
             let face = normal_around(grid, point, text::GROUND)
                 .or(seen.map(|seen| seen.face))
                 .unwrap_or(Vec3::ZERO);
-            Some(Ground { point, face })
+            Some(DragStart { point, face })
         }
         _ => {
             let middle = || picker.sight().at_depth(at, picker.sight().depth(view.middle()));
             let point = seen.map_or_else(middle, |seen| seen.point);
-            Some(Ground { point, face: Vec3::ZERO })
+            Some(DragStart { point, face: Vec3::ZERO })
         }
     }
 }

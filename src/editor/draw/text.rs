@@ -85,13 +85,13 @@ impl TextFrame {
     }
 
     /// Returns the position of each letter of a line, with its own middle at the origin.
-    fn of_letters(&self, grid: &Grid, letters: &[Letter]) -> Vec<Placed> {
+    fn of_letters(&self, grid: &Grid, letters: &[Letter]) -> Vec<PlacedLetter> {
         let edges = grid.voxel_size() / grid.voxel_size().min_element();
-        let flat = |x: f32, floats: bool| Placed {
+        let flat = |x: f32, floats: bool| PlacedLetter {
             stand: TextFrame { at_vx: self.place(Vec2::new(x, 0.0), edges), ..*self },
             floats,
         };
-        let mut placed: Vec<Placed> = letters.iter().map(|l| flat(l.middle, false)).collect();
+        let mut placed: Vec<PlacedLetter> = letters.iter().map(|l| flat(l.middle, false)).collect();
         // Without a surface in the middle, there is none to follow.
         if self.along(grid, 0.0, GROUND).is_none() {
             return placed;
@@ -113,12 +113,13 @@ impl TextFrame {
                     Some(stand) => from = stand,
                     None => {
                         let at_vx = from.place(Vec2::new(by, 0.0), edges);
-                        placed[i] = Placed { stand: TextFrame { at_vx, ..from }, floats: true };
+                        placed[i] =
+                            PlacedLetter { stand: TextFrame { at_vx, ..from }, floats: true };
                         continue;
                     }
                 }
                 x = middle;
-                placed[i] = Placed { stand: from, floats: false };
+                placed[i] = PlacedLetter { stand: from, floats: false };
             }
         }
         placed
@@ -127,7 +128,7 @@ impl TextFrame {
     /// Returns the solids of letters that extend `depth` out of the surface, and as deep into it.
     pub fn solids(&self, grid: &Grid, letters: &[Letter], depth: f32) -> Vec<DrawnSolid> {
         let placed = self.of_letters(grid, letters);
-        let solid = |(letter, placed): (&Letter, &Placed)| {
+        let solid = |(letter, placed): (&Letter, &PlacedLetter)| {
             let rotation = Quat::from_mat3(&placed.stand.axes).normalize();
             let outlines: Arc<[Arc<[Vec2]>]> =
                 own(letter).map(|outline| outline.collect()).collect();
@@ -151,7 +152,7 @@ impl TextFrame {
         let edges = grid.voxel_size() / grid.voxel_size().min_element();
         let placed = self.of_letters(grid, letters);
         let mut lines = Vec::new();
-        for (letter, Placed { stand, .. }) in letters.iter().zip(&placed) {
+        for (letter, PlacedLetter { stand, .. }) in letters.iter().zip(&placed) {
             for outline in own(letter) {
                 let places: Vec<Vec3> = outline.map(|p| stand.place(p, edges)).collect();
                 let next = places.iter().cycle().skip(1);
@@ -164,7 +165,7 @@ impl TextFrame {
 
 /// The position of a letter, and whether there is nothing under it.
 #[derive(Clone, Copy, Debug)]
-struct Placed {
+struct PlacedLetter {
     stand: TextFrame,
     floats: bool,
 }

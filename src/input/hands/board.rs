@@ -24,7 +24,7 @@ pub struct Board {
 
 /// The hit of a ray on a board.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Hit {
+pub struct BoardHit {
     /// Position from the upper left corner, 0 to 1 each.
     pub at: Vec2,
     /// In metres of the room.
@@ -33,7 +33,7 @@ pub struct Hit {
     pub distance_m: f32,
 }
 
-impl Hit {
+impl BoardHit {
     /// Returns whether it is within the board.
     fn is_inside(&self) -> bool {
         self.at.cmpge(Vec2::ZERO).all() && self.at.cmple(Vec2::ONE).all()
@@ -49,12 +49,12 @@ impl Board {
     }
 
     /// Returns the hit of a hand's ray on the front of the board, if there is one.
-    pub fn hit(&self, aim: &RoomPose) -> Option<Hit> {
-        self.hit_plane(aim).filter(Hit::is_inside)
+    pub fn hit(&self, aim: &RoomPose) -> Option<BoardHit> {
+        self.hit_plane(aim).filter(BoardHit::is_inside)
     }
 
     /// Returns the hit of a hand's ray on the plane of the board's front, also outside of the board.
-    fn hit_plane(&self, aim: &RoomPose) -> Option<Hit> {
+    fn hit_plane(&self, aim: &RoomPose) -> Option<BoardHit> {
         let (origin, direction) = (self.pose.own(aim.position), aim.forward());
         let direction = self.pose.rotation.inverse() * direction;
         // The back cannot be clicked.
@@ -64,7 +64,7 @@ impl Board {
         let distance_m = -origin.z / direction.z;
         let own = origin + direction * distance_m;
         let at = Vec2::new(own.x / self.size_m.x + 0.5, 0.5 - own.y / self.size_m.y);
-        (distance_m <= REACH_M).then(|| Hit { at, point: self.pose.at(own), distance_m })
+        (distance_m <= REACH_M).then(|| BoardHit { at, point: self.pose.at(own), distance_m })
     }
 }
 
@@ -73,10 +73,10 @@ impl Board {
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub(super) struct Pointing {
     /// The ray of the last call.
-    before: Option<Hit>,
+    before: Option<BoardHit>,
     /// The smallest recent travel of the trigger.
     least: f32,
-    kept: Option<Hit>,
+    kept: Option<BoardHit>,
     dragging: bool,
 }
 
@@ -95,12 +95,12 @@ impl Pointing {
         travel: f32,
         change: Option<Change>,
         down: bool,
-    ) -> Option<Hit> {
+    ) -> Option<BoardHit> {
         let travel = if travel.is_finite() { travel } else { 0.0 };
         let now = board.hit_plane(aim);
-        let hit = now.filter(Hit::is_inside);
+        let hit = now.filter(BoardHit::is_inside);
         let before = std::mem::replace(&mut self.before, hit);
-        let near = |kept: &Hit| {
+        let near = |kept: &BoardHit| {
             now.is_some_and(|now| {
                 let drift_m = ((now.at - kept.at) * board.size_m).length();
                 drift_m <= Self::DRIFT * kept.distance_m

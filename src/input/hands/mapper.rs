@@ -11,7 +11,7 @@ use glam::Vec2;
 
 use super::board::Pointing;
 use super::grab::Grab;
-use super::{Board, Change, HandSide, HandsState, Switch};
+use super::{AnalogSwitch, Board, Change, HandSide, HandsState};
 use crate::input::pace::{LONGEST_STEP_S, Pace};
 use crate::input::pad::stick::Response;
 use crate::view::{RoomPose, Similarity};
@@ -118,7 +118,7 @@ impl Flick {
 struct Hold {
     /// Time of the press; `None` after a long press has been reported.
     since_s: Option<f64>,
-    switch: Switch,
+    switch: AnalogSwitch,
 }
 
 /// The state of both hands between calls.
@@ -129,9 +129,9 @@ pub struct HandMapper {
     last_s: Option<f64>,
     grab: Grab,
     /// By [`HandSide::index`].
-    grips: [Switch; 2],
+    grips: [AnalogSwitch; 2],
     menu: [Hold; 2],
-    main_trigger: Switch,
+    main_trigger: AnalogSwitch,
     /// The last reported pressure of the main trigger.
     pressure: f32,
     off_trigger: Hold,
@@ -154,7 +154,7 @@ impl HandMapper {
             grab: Grab::default(),
             grips: Default::default(),
             menu: Default::default(),
-            main_trigger: Switch::default(),
+            main_trigger: AnalogSwitch::default(),
             pressure: 1.0,
             off_trigger: Hold::default(),
             press_target: None,

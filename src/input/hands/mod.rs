@@ -102,18 +102,18 @@ impl HandsState {
 /// An analog input as a switch with hysteresis: on from `PRESS`, off below `RELEASE`, so that a
 /// trembling finger presses once.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-struct Switch {
+struct AnalogSwitch {
     down: bool,
 }
 
-/// A change of a [`Switch`].
+/// A change of an [`AnalogSwitch`].
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Change {
     Pressed,
     Released,
 }
 
-impl Switch {
+impl AnalogSwitch {
     const PRESS: f32 = 0.6;
     const RELEASE: f32 = 0.4;
 
@@ -144,7 +144,7 @@ mod tests {
 
     #[test]
     fn a_trembling_finger_presses_once() {
-        let mut switch = Switch::default();
+        let mut switch = AnalogSwitch::default();
         let travels = [0.0, 0.5, 0.61, 0.55, 0.65, 0.45, 0.39, 0.59, f32::NAN, 1.0, f32::NAN];
         let changes: Vec<_> = travels.iter().filter_map(|&travel| switch.feed(travel)).collect();
         use Change::{Pressed, Released};
@@ -153,7 +153,7 @@ mod tests {
 
     #[test]
     fn pressure_grows_from_where_a_switch_is_released() {
-        let mut switch = Switch::default();
+        let mut switch = AnalogSwitch::default();
         for (travel, pressure) in
             [(0.3, 1.0), (0.7, 0.5), (1.0, 1.0), (0.46, 0.1), (f32::INFINITY, 1.0), (0.4, 1.0)]
         {

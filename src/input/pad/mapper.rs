@@ -8,7 +8,7 @@ use glam::{Vec2, Vec3};
 
 use super::stick::Response;
 use super::{PadButton, PadButtons, PadId, PadMode, PadState};
-use crate::input::action::{Action, Kind};
+use crate::input::action::{Action, TriggerKind};
 use crate::input::bindings::Bindings;
 use crate::input::mapper::ActionEvent;
 use crate::input::trigger::Trigger;
@@ -246,7 +246,7 @@ impl PadMapper {
         let Some(action) = bindings.action(Trigger::Pad { button }) else { return };
         match action {
             Action::NextPadMode => self.next_mode(),
-            _ if action.help().kind == Kind::Hold => {
+            _ if action.help().kind == TriggerKind::Hold => {
                 self.holds.push((button, action));
                 self.events.push(PadEvent::Action(ActionEvent::Begin { action, at: None }));
             }

@@ -20,7 +20,7 @@ const LASTS: u32 = 4;
 
 /// A sample with the buttons pressed since the one before.
 #[derive(Clone, Copy, Debug)]
-struct Step {
+struct TrackedSample {
     sample: PenSample,
     pressed: Buttons,
     /// Its age in passes.
@@ -30,7 +30,7 @@ struct Step {
 /// Pen events over one window.
 #[derive(Debug, Default)]
 pub struct PenTrack {
-    steps: VecDeque<Step>,
+    steps: VecDeque<TrackedSample>,
     /// Buttons held after all of them.
     held: Buttons,
     /// The sample that the pointer has reached.
@@ -54,7 +54,7 @@ impl PenTrack {
             self.steps.pop_front();
         }
         self.heard = pressed.iter().last().or(self.heard);
-        self.steps.push_back(Step { sample, pressed, age: 0 });
+        self.steps.push_back(TrackedSample { sample, pressed, age: 0 });
     }
 
     /// Returns the button pressed last, once. The tip is excluded: it is the left button everywhere.
@@ -64,7 +64,7 @@ impl PenTrack {
 
     /// Moves the pointer, in pixels of the window, to the first sample at that position.
     pub fn moved(&mut self, to_px: Vec2) {
-        let near = |step: &Step| step.sample.position_px.distance(to_px) <= SAME_PX;
+        let near = |step: &TrackedSample| step.sample.position_px.distance(to_px) <= SAME_PX;
         if let Some(found) = self.steps.iter().position(near) {
             // A press is reached only by its own event.
             let mut until = self.steps.range(..=found);
@@ -75,7 +75,7 @@ impl PenTrack {
 
     /// Handles a press of a pointer button. Returns the pen's button; `None` for a mouse.
     pub fn press(&mut self, button: PointerButton) -> Option<Button> {
-        let find = |step: &Step| pointer::behind(button, |own| step.pressed.has(own));
+        let find = |step: &TrackedSample| pointer::behind(button, |own| step.pressed.has(own));
         let (count, own) =
             self.steps.iter().enumerate().find_map(|(i, step)| Some((i, find(step)?)))?;
         self.go(count);

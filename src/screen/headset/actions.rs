@@ -12,7 +12,7 @@ use crate::view::RoomPose;
 const PULSE_NS: i64 = 60_000_000;
 
 /// Input paths of a controller for the actions; empty text for a missing one.
-struct Profile {
+struct InteractionProfile {
     name: &'static str,
     trigger: &'static str,
     squeeze: &'static str,
@@ -26,8 +26,8 @@ struct Profile {
     bare_hands: bool,
 }
 
-const PROFILES: &[Profile] = &[
-    Profile {
+const PROFILES: &[InteractionProfile] = &[
+    InteractionProfile {
         name: "khr/simple_controller",
         trigger: "select/click",
         squeeze: "",
@@ -37,7 +37,7 @@ const PROFILES: &[Profile] = &[
         haptic: true,
         bare_hands: false,
     },
-    Profile {
+    InteractionProfile {
         name: "oculus/touch_controller",
         trigger: "trigger/value",
         squeeze: "squeeze/value",
@@ -48,7 +48,7 @@ const PROFILES: &[Profile] = &[
         haptic: true,
         bare_hands: false,
     },
-    Profile {
+    InteractionProfile {
         name: "valve/index_controller",
         trigger: "trigger/value",
         squeeze: "squeeze/value",
@@ -58,7 +58,7 @@ const PROFILES: &[Profile] = &[
         haptic: true,
         bare_hands: false,
     },
-    Profile {
+    InteractionProfile {
         name: "microsoft/motion_controller",
         trigger: "trigger/value",
         squeeze: "squeeze/click",
@@ -68,7 +68,7 @@ const PROFILES: &[Profile] = &[
         haptic: true,
         bare_hands: false,
     },
-    Profile {
+    InteractionProfile {
         name: "htc/vive_controller",
         trigger: "trigger/value",
         squeeze: "squeeze/click",
@@ -78,7 +78,7 @@ const PROFILES: &[Profile] = &[
         haptic: true,
         bare_hands: false,
     },
-    Profile {
+    InteractionProfile {
         name: "ext/hand_interaction_ext",
         trigger: "pinch_ext/value",
         squeeze: "grasp_ext/value",

@@ -22,7 +22,9 @@ use super::session_head::{HeadShare, SessionHead};
 use super::session_thread::{EndFrame, FrameLayers, FrameTargets, Request, SessionThread, XrEvent};
 use super::swapchain::{Swapchain, SwapchainImages, copy_image};
 use super::vulkan_host::XrVulkanHost;
-use crate::gpu::{Device, DeviceOptions, EyeImage, Frames, ImagePart, Recorder, Serial, Use};
+use crate::gpu::{
+    Device, DeviceOptions, EyeImage, Frames, ImagePart, Recorder, ResourceUse, Serial,
+};
 use crate::input::hands::HandSide;
 
 /// Longest wait for the runtime within a frame: a working runtime answers at once.
@@ -228,7 +230,7 @@ impl XrSession {
         images.colour.write(recorder, targets.colour, copy)?;
         if let (Some(image), Some(index)) = (&images.depth, targets.depth) {
             for eye in 0..depth.eyes() {
-                depth.transition(recorder, eye, Use::COPY_SOURCE);
+                depth.transition(recorder, eye, ResourceUse::COPY_SOURCE);
             }
             let from = depth.image().whole();
             let copy = |recorder: &mut Recorder, to| copy_image(recorder, from, to, size);
@@ -238,7 +240,7 @@ impl XrSession {
     }
 
     /// Records the copy of the board's picture, with the size of [`XrSessionOptions::board_px`] and in the layout of
-    /// [`Use::COPY_SOURCE`], if there is an image for it.
+    /// [`ResourceUse::COPY_SOURCE`], if there is an image for it.
     pub fn copy_board(
         &self,
         recorder: &mut Recorder,

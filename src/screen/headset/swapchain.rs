@@ -10,7 +10,7 @@ use glam::UVec2;
 use openxr as xr;
 
 use super::error::{Doing, HeadsetError, Result};
-use crate::gpu::{ImagePart, Recorder, Use};
+use crate::gpu::{ImagePart, Recorder, ResourceUse};
 
 /// The colour format of the headset: that of the renderer, but declared as sRGB.
 const COLOUR: vk::Format = vk::Format::R8G8B8A8_SRGB;
@@ -107,7 +107,7 @@ impl Swapchain {
 }
 
 impl SwapchainImages {
-    /// Transitions the image `index` to [`Use::COPY_TARGET`], calls `record`, and transitions it
+    /// Transitions the image `index` to [`ResourceUse::COPY_TARGET`], calls `record`, and transitions it
     /// back to the layout that the runtime expects.
     pub fn write(
         &self,
@@ -124,21 +124,21 @@ impl SwapchainImages {
         let part = ImagePart { image, aspect, layer: 0, layers: self.layers };
         // The runtime acquires and releases images in the attachment layout.
         let runtime_use = match self.depth {
-            true => Use {
+            true => ResourceUse {
                 layout: vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
-                ..Use::DEPTH_TARGET
+                ..ResourceUse::DEPTH_TARGET
             },
-            false => Use::COLOUR_TARGET,
+            false => ResourceUse::COLOUR_TARGET,
         };
-        recorder.image_barrier(part, runtime_use.discarded(), Use::COPY_TARGET);
+        recorder.image_barrier(part, runtime_use.discarded(), ResourceUse::COPY_TARGET);
         record(recorder, part);
-        recorder.image_barrier(part, Use::COPY_TARGET, runtime_use);
+        recorder.image_barrier(part, ResourceUse::COPY_TARGET, runtime_use);
         Ok(())
     }
 }
 
 /// Records the copy of all layers of `from`, of the same size and in the layout of
-/// [`Use::COPY_SOURCE`].
+/// [`ResourceUse::COPY_SOURCE`].
 pub(super) fn copy_image(recorder: &mut Recorder, from: ImagePart, to: ImagePart, size: UVec2) {
     let layers = |part: &ImagePart| {
         vk::ImageSubresourceLayers::default()

@@ -120,18 +120,23 @@ fn begin(
     connection: &Connection,
     inbox: Inbox,
     cursor: Arc<Mutex<Cursor>>,
-) -> (EventQueue<State>, State) {
+) -> (EventQueue<WaylandState>, WaylandState) {
     let queue = connection.new_event_queue();
     let handle = queue.handle();
     let display = connection.display();
     display.get_registry(&handle, ());
     // Answered after all initial globals.
     display.sync(&handle, ());
-    (queue, State { inbox, cursor, ..State::default() })
+    (queue, WaylandState { inbox, cursor, ..WaylandState::default() })
 }
 
 /// Reads until it is told to stop, or there is nothing to listen to.
-fn run(mut queue: EventQueue<State>, mut state: State, stopped: &PipeReader, wake: impl Fn()) {
+fn run(
+    mut queue: EventQueue<WaylandState>,
+    mut state: WaylandState,
+    stopped: &PipeReader,
+    wake: impl Fn(),
+) {
     let error: DispatchError = loop {
         if let Err(error) = queue.dispatch_pending(&mut state) {
             break error;
@@ -222,7 +227,7 @@ fn shape(icon: CursorIcon) -> Shape {
 
 /// The state of the queue.
 #[derive(Default)]
-struct State {
+struct WaylandState {
     inbox: Inbox,
     cursor: Arc<Mutex<Cursor>>,
     manager: Option<ZwpTabletManagerV2>,
@@ -235,9 +240,9 @@ struct State {
     is_known: bool,
 }
 
-impl State {
+impl WaylandState {
     /// Asks each seat for its tablets.
-    fn ask_seats(&mut self, handle: &QueueHandle<State>) {
+    fn ask_seats(&mut self, handle: &QueueHandle<WaylandState>) {
         let Some(manager) = &self.manager else { return };
         for (seat, tablets) in self.seats.values_mut() {
             tablets.get_or_insert_with(|| manager.get_tablet_seat(seat, handle, ()));
@@ -256,7 +261,7 @@ impl State {
     }
 
     /// Handles a pen that comes over a window, where it has a cursor of its own.
-    fn enter(&mut self, tool: &ZwpTabletToolV2, serial: u32, handle: &QueueHandle<State>) {
+    fn enter(&mut self, tool: &ZwpTabletToolV2, serial: u32, handle: &QueueHandle<WaylandState>) {
         let Some(shapes) = &self.shapes else { return };
         let Some((_, _, device)) = self.tools.iter_mut().find(|(id, ..)| *id == tool.id()) else {
             return;
@@ -277,14 +282,14 @@ impl State {
     }
 }
 
-impl Dispatch<wl_registry::WlRegistry, ()> for State {
+impl Dispatch<wl_registry::WlRegistry, ()> for WaylandState {
     fn event(
-        state: &mut State,
+        state: &mut WaylandState,
         registry: &wl_registry::WlRegistry,
         event: wl_registry::Event,
         (): &(),
         _: &Connection,
-        handle: &QueueHandle<State>,
+        handle: &QueueHandle<WaylandState>,
     ) {
         match event {
             wl_registry::Event::Global { name, interface, .. } => match interface.as_str() {
@@ -311,27 +316,27 @@ impl Dispatch<wl_registry::WlRegistry, ()> for State {
     }
 }
 
-impl Dispatch<wl_callback::WlCallback, ()> for State {
+impl Dispatch<wl_callback::WlCallback, ()> for WaylandState {
     fn event(
-        state: &mut State,
+        state: &mut WaylandState,
         _: &wl_callback::WlCallback,
         _: wl_callback::Event,
         (): &(),
         _: &Connection,
-        _: &QueueHandle<State>,
+        _: &QueueHandle<WaylandState>,
     ) {
         state.is_known = true;
     }
 }
 
-impl Dispatch<ZwpTabletSeatV2, ()> for State {
+impl Dispatch<ZwpTabletSeatV2, ()> for WaylandState {
     fn event(
-        state: &mut State,
+        state: &mut WaylandState,
         _: &ZwpTabletSeatV2,
         event: zwp_tablet_seat_v2::Event,
         (): &(),
         _: &Connection,
-        _: &QueueHandle<State>,
+        _: &QueueHandle<WaylandState>,
     ) {
         match event {
             zwp_tablet_seat_v2::Event::TabletAdded { id } => {
@@ -347,21 +352,21 @@ impl Dispatch<ZwpTabletSeatV2, ()> for State {
         }
     }
 
-    event_created_child!(State, ZwpTabletSeatV2, [
+    event_created_child!(WaylandState, ZwpTabletSeatV2, [
         zwp_tablet_seat_v2::EVT_TABLET_ADDED_OPCODE => (ZwpTabletV2, ()),
         zwp_tablet_seat_v2::EVT_TOOL_ADDED_OPCODE => (ZwpTabletToolV2, ()),
         zwp_tablet_seat_v2::EVT_PAD_ADDED_OPCODE => (ZwpTabletPadV2, ()),
     ]);
 }
 
-impl Dispatch<ZwpTabletV2, ()> for State {
+impl Dispatch<ZwpTabletV2, ()> for WaylandState {
     fn event(
-        state: &mut State,
+        state: &mut WaylandState,
         tablet: &ZwpTabletV2,
         event: zwp_tablet_v2::Event,
         (): &(),
         _: &Connection,
-        _: &QueueHandle<State>,
+        _: &QueueHandle<WaylandState>,
     ) {
         match event {
             zwp_tablet_v2::Event::Name { name } => {
@@ -379,14 +384,14 @@ impl Dispatch<ZwpTabletV2, ()> for State {
     }
 }
 
-impl Dispatch<ZwpTabletToolV2, ()> for State {
+impl Dispatch<ZwpTabletToolV2, ()> for WaylandState {
     fn event(
-        state: &mut State,
+        state: &mut WaylandState,
         tool: &ZwpTabletToolV2,
         event: zwp_tablet_tool_v2::Event,
         (): &(),
         _: &Connection,
-        handle: &QueueHandle<State>,
+        handle: &QueueHandle<WaylandState>,
     ) {
         use zwp_tablet_tool_v2::{ButtonState, Capability, Event};
         let event = match event {
@@ -429,45 +434,45 @@ fn key_of(surface: &wl_surface::WlSurface) -> WindowKey {
     WindowKey::numbered(surface.id().as_ptr() as usize as u64)
 }
 
-impl Dispatch<ZwpTabletPadV2, ()> for State {
+impl Dispatch<ZwpTabletPadV2, ()> for WaylandState {
     fn event(
-        _: &mut State,
+        _: &mut WaylandState,
         _: &ZwpTabletPadV2,
         _: zwp_tablet_pad_v2::Event,
         (): &(),
         _: &Connection,
-        _: &QueueHandle<State>,
+        _: &QueueHandle<WaylandState>,
     ) {
     }
 
-    event_created_child!(State, ZwpTabletPadV2, [
+    event_created_child!(WaylandState, ZwpTabletPadV2, [
         zwp_tablet_pad_v2::EVT_GROUP_OPCODE => (ZwpTabletPadGroupV2, ()),
     ]);
 }
 
-impl Dispatch<ZwpTabletPadGroupV2, ()> for State {
+impl Dispatch<ZwpTabletPadGroupV2, ()> for WaylandState {
     fn event(
-        _: &mut State,
+        _: &mut WaylandState,
         _: &ZwpTabletPadGroupV2,
         _: zwp_tablet_pad_group_v2::Event,
         (): &(),
         _: &Connection,
-        _: &QueueHandle<State>,
+        _: &QueueHandle<WaylandState>,
     ) {
     }
 
-    event_created_child!(State, ZwpTabletPadGroupV2, [
+    event_created_child!(WaylandState, ZwpTabletPadGroupV2, [
         zwp_tablet_pad_group_v2::EVT_RING_OPCODE => (ZwpTabletPadRingV2, ()),
         zwp_tablet_pad_group_v2::EVT_STRIP_OPCODE => (ZwpTabletPadStripV2, ()),
     ]);
 }
 
-delegate_noop!(State: ignore wl_seat::WlSeat);
-delegate_noop!(State: ignore ZwpTabletPadRingV2);
-delegate_noop!(State: ignore ZwpTabletPadStripV2);
-delegate_noop!(State: ZwpTabletManagerV2);
-delegate_noop!(State: WpCursorShapeManagerV1);
-delegate_noop!(State: WpCursorShapeDeviceV1);
+delegate_noop!(WaylandState: ignore wl_seat::WlSeat);
+delegate_noop!(WaylandState: ignore ZwpTabletPadRingV2);
+delegate_noop!(WaylandState: ignore ZwpTabletPadStripV2);
+delegate_noop!(WaylandState: ZwpTabletManagerV2);
+delegate_noop!(WaylandState: WpCursorShapeManagerV1);
+delegate_noop!(WaylandState: WpCursorShapeDeviceV1);
 
 #[cfg(test)]
 #[path = "wayland_tests.rs"]

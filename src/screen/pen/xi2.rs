@@ -32,17 +32,17 @@ const BUTTONS: [(u32, Button); 4] =
     [(1, Button::Left), (2, Button::PenLower), (3, Button::PenUpper), (8, Button::PenThird)];
 
 #[derive(Clone, Copy, PartialEq, Debug)]
-struct Axis {
+struct PenAxis {
     number: u16,
     min: f32,
     max: f32,
     value: f32,
 }
 
-impl Axis {
-    fn of(class: &DeviceClassDataValuator) -> Option<Axis> {
+impl PenAxis {
+    fn of(class: &DeviceClassDataValuator) -> Option<PenAxis> {
         let [min, max, value] = [class.min, class.max, class.value].map(number);
-        let axis = Axis { number: class.number, min, max, value };
+        let axis = PenAxis { number: class.number, min, max, value };
         (class.mode == ValuatorMode::ABSOLUTE && min < max).then_some(axis)
     }
 
@@ -58,8 +58,8 @@ pub struct PenDevice {
     pub id: u16,
     pub name: String,
     pub end: PenEnd,
-    pressure: Axis,
-    tilt: [Option<Axis>; 2],
+    pressure: PenAxis,
+    tilt: [Option<PenAxis>; 2],
 }
 
 impl PenDevice {
@@ -70,7 +70,7 @@ impl PenDevice {
         }
         let axis = |label: Atom| {
             info.classes.iter().find_map(|class| match &class.data {
-                DeviceClassData::Valuator(axis) if axis.label == label => Axis::of(axis),
+                DeviceClassData::Valuator(axis) if axis.label == label => PenAxis::of(axis),
                 _ => None,
             })
         };
@@ -147,7 +147,7 @@ impl PenDevices {
     /// Returns a device that a test declares a pen, with a pressure axis that it does not have.
     #[cfg(test)]
     pub fn pretended(id: u16) -> PenDevices {
-        let pressure = Axis { number: 99, min: 0.0, max: 1.0, value: 0.5 };
+        let pressure = PenAxis { number: 99, min: 0.0, max: 1.0, value: 0.5 };
         let (name, end, tilt) = ("pretended".to_string(), PenEnd::Tip, [None, None]);
         PenDevices(vec![PenDevice { id, name, end, pressure, tilt }])
     }

@@ -185,7 +185,7 @@ pub static ELSEWHERE: &[Elsewhere] = &[
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::input::action::Kind;
+    use crate::input::action::TriggerKind;
     use crate::ui::widgets::filter::british;
 
     #[test]
@@ -205,7 +205,11 @@ mod tests {
                 SearchTarget::Do(action) => Some(action),
                 SearchTarget::Option(spot) => spot.needs(),
             };
-            assert!(action.is_none_or(|action| action.help().kind == Kind::Tap), "{}", it.names);
+            assert!(
+                action.is_none_or(|action| action.help().kind == TriggerKind::Tap),
+                "{}",
+                it.names
+            );
         }
     }
 }

@@ -4,7 +4,9 @@ use std::ops::RangeInclusive;
 
 use egui::{Checkbox, ComboBox, DragValue, Slider, Ui};
 
-use crate::trace::{AreaLight, Ground, LightOptions, MAX_BOUNCES, MAX_FINAL_SAMPLES, SunLight};
+use crate::trace::{
+    AreaLight, LightOptions, MAX_BOUNCES, MAX_FINAL_SAMPLES, SunLight, TraceGround,
+};
 use crate::ui::dialogs::final_choices::FinalDialog;
 use crate::ui::pictures::FinalFile;
 
@@ -116,7 +118,7 @@ pub fn ground(ui: &mut Ui, dialog: &mut FinalDialog) {
         ui.add_enabled_ui(has_ground, |ui| {
             ui.color_edit_button_srgb(&mut dialog.ground.0).on_hover_text("Colour of the ground");
         });
-        dialog.trace.ground = has_ground.then_some(Ground { colour: dialog.ground });
+        dialog.trace.ground = has_ground.then_some(TraceGround { colour: dialog.ground });
     });
     ui.end_row();
 }

@@ -33,7 +33,7 @@ pub struct Guide {
 }
 
 /// A step of the guide.
-struct Step {
+struct GuideStep {
     title: &'static str,
     /// The task; `{}` stands for the shortcuts of `actions`, in order.
     text: &'static str,
@@ -48,8 +48,8 @@ struct Step {
     commands: Option<fn(&Document) -> Vec<Command>>,
 }
 
-const STEPS: [Step; 7] = [
-    Step {
+const STEPS: [GuideStep; 7] = [
+    GuideStep {
         title: "Clear half of the grid",
         text: "Choose the marker ({}). It is a box: drag it over the stone from corner to corner, \
                pull its faces with Ctrl and the left button, or type its numbers on the right. Put \
@@ -68,7 +68,7 @@ const STEPS: [Step; 7] = [
             vec![Command::Mark(upper_half(document)), Command::Clear { area: Area::Marker }]
         }),
     },
-    Step {
+    GuideStep {
         title: "Limit the tools to it",
         text: "Limit all tools to the marker ({}). From now on the ground below is safe.",
         by_hand: "Tick Limit tools to selection in the options of the marker. From now on the \
@@ -81,7 +81,7 @@ const STEPS: [Step; 7] = [
             vec![mark, Command::Select(SelectOp::Add), Command::Limit(true)]
         }),
     },
-    Step {
+    GuideStep {
         title: "Add a cuboid",
         text: "Choose the cuboid ({}) and Add ({}), enlarge it ({}), tick Rest on the surface on \
                the right, and click on the ground with the left button.",
@@ -96,7 +96,7 @@ const STEPS: [Step; 7] = [
         marker: None,
         commands: None,
     },
-    Step {
+    GuideStep {
         title: "Roughen it",
         text: "Carve into it with the devourer ({}), then fill the corners with growth ({}): drag \
                both over the cuboid until it looks like rock.",
@@ -107,7 +107,7 @@ const STEPS: [Step; 7] = [
         marker: None,
         commands: None,
     },
-    Step {
+    GuideStep {
         title: "Smooth it",
         text: "Wear down the edges with erosion ({}). The left button with Shift smooths, whatever \
                the current tool.",
@@ -118,7 +118,7 @@ const STEPS: [Step; 7] = [
         marker: None,
         commands: None,
     },
-    Step {
+    GuideStep {
         title: "Paint it",
         text: "Choose the brush ({}) and a colour on the right, and paint. Alt and the left button \
                pick a colour from the surface.",
@@ -129,7 +129,7 @@ const STEPS: [Step; 7] = [
         marker: None,
         commands: None,
     },
-    Step {
+    GuideStep {
         title: "Recolour the ground",
         text: "Lift the limit ({}), choose the marker, put it around the ground and recolour the \
                voxels in it ({}).",
@@ -353,7 +353,7 @@ fn navigation_buttons(
 }
 
 /// Returns the text of a step with the keys of the present table.
-fn with_keys(step: &Step, context: &UiContext) -> String {
+fn with_keys(step: &GuideStep, context: &UiContext) -> String {
     let mut text = String::new();
     let mut actions = step.actions.iter();
     for (i, part) in step.text.split("{}").enumerate() {

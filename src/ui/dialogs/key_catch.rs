@@ -3,7 +3,7 @@
 
 use egui::{Id, Modal, Ui};
 
-use crate::input::action::Kind;
+use crate::input::action::TriggerKind;
 use crate::input::listener::{CapturedInput, Listener};
 use crate::input::remap::KeyChange;
 use crate::input::{Action, Bindings, Trigger};
@@ -17,11 +17,11 @@ use crate::ui::widgets::theme;
 #[derive(Clone, PartialEq, Debug)]
 struct Catch {
     action: Action,
-    step: Step,
+    step: CatchStep,
 }
 
 #[derive(Clone, PartialEq, Debug)]
-enum Step {
+enum CatchStep {
     /// With the reason why the last trigger was refused.
     Listen(Listener, Option<String>),
     /// The trigger belongs to the other action now.
@@ -30,7 +30,7 @@ enum Step {
 
 impl Catch {
     fn new(action: Action) -> Catch {
-        Catch { action, step: Step::Listen(Listener::default(), None) }
+        Catch { action, step: CatchStep::Listen(Listener::default(), None) }
     }
 
     /// Handles a trigger. Returns the change, if there is nothing to ask, and whether the wait is over.
@@ -38,12 +38,12 @@ impl Catch {
         let CapturedInput::Trigger(trigger) = heard else { return (None, true) };
         if let Err(unfit) = Bindings::fits(trigger, self.action) {
             let refusal = capital(&unfit.to_string());
-            self.step = Step::Listen(Listener::default(), Some(refusal));
+            self.step = CatchStep::Listen(Listener::default(), Some(refusal));
             return (None, false);
         }
         match bindings.conflict(trigger, self.action) {
             Some(other) => {
-                self.step = Step::Ask(trigger, other);
+                self.step = CatchStep::Ask(trigger, other);
                 (None, false)
             }
             None => (Some(KeyChange::Bind(trigger, self.action)), true),
@@ -76,7 +76,7 @@ pub fn listen(root: &Ui, keys: &mut KeyCatch, context: &UiContext, requests: &mu
     let Some(bindings) = context.bindings() else { return };
     let pressed = keys.pressed.take().map(CapturedInput::Trigger);
     let Some(catch) = &mut keys.waiting else { return };
-    if !matches!(catch.step, Step::Listen(..)) {
+    if !matches!(catch.step, CatchStep::Listen(..)) {
         return;
     }
     root.ctx().memory_mut(|memory| {
@@ -88,7 +88,7 @@ pub fn listen(root: &Ui, keys: &mut KeyCatch, context: &UiContext, requests: &mu
     let mut events = events.iter();
     let mut next = pressed;
     loop {
-        let Step::Listen(listener, _) = &mut catch.step else { return };
+        let CatchStep::Listen(listener, _) = &mut catch.step else { return };
         let Some(heard) = next.take().or_else(|| events.find_map(|event| listener.hear(event)))
         else {
             return;
@@ -116,14 +116,14 @@ impl Dialog for KeyCatch {
             ui.heading(catch.action.help().text);
             ui.add_space(4.0);
             match &catch.step {
-                Step::Listen(_, refusal) => {
+                CatchStep::Listen(_, refusal) => {
                     ui.label(wish(catch.action.help().kind));
                     if let Some(refusal) = refusal {
                         ui.colored_label(theme::error_colour(ui.visuals()), format!("{refusal}."));
                     }
                     ui.weak("Press Escape to cancel.");
                 }
-                Step::Ask(trigger, other) => {
+                CatchStep::Ask(trigger, other) => {
                     let text = capital(&trigger.to_string());
                     ui.label(format!("{text} is already assigned to: {}.", other.help().text));
                     ui.add_space(8.0);
@@ -138,7 +138,7 @@ impl Dialog for KeyCatch {
                 }
             }
         });
-        let asking = matches!(catch.step, Step::Ask(..));
+        let asking = matches!(catch.step, CatchStep::Ask(..));
         // While it waits, a click anywhere is an answer.
         if over || asking && response.should_close() {
             self.waiting = None;
@@ -146,17 +146,17 @@ impl Dialog for KeyCatch {
     }
 }
 
-fn wish(kind: Kind) -> &'static str {
+fn wish(kind: TriggerKind) -> &'static str {
     match kind {
-        Kind::Tap => {
+        TriggerKind::Tap => {
             "Press a key, with Ctrl, Shift or Alt if you like, a gamepad button or a button of a pen."
         }
-        Kind::Hold => {
+        TriggerKind::Hold => {
             "Press a key, a button of a pen, or several mouse buttons together, with Ctrl, Shift or Alt if you like."
         }
-        Kind::Drag => {
+        TriggerKind::Drag => {
             "Click a mouse button, or one of a pen or its eraser, with Ctrl, Shift or Alt if you like."
         }
-        Kind::Wheel => "Turn the mouse wheel, with Ctrl, Shift or Alt if you like.",
+        TriggerKind::Wheel => "Turn the mouse wheel, with Ctrl, Shift or Alt if you like.",
     }
 }

@@ -47,7 +47,7 @@ use self::key_table::KeyTable;
 use self::light::LightWindow;
 use self::masks::Masks;
 use self::new::NewDialog;
-use self::palette::Palette;
+use self::palette::CommandPalette;
 use self::print_check::PrintCheck;
 use self::recovery::RecoveryDialog;
 use self::references::ReferencesWindow;
@@ -65,7 +65,7 @@ pub struct Dialogs {
     pub light: LightWindow,
     /// The window of reference pictures.
     pub references: ReferencesWindow,
-    pub palette: Palette,
+    pub palette: CommandPalette,
     pub new: NewDialog,
     pub final_picture: FinalDialog,
     pub film: FilmDialog,
@@ -102,7 +102,7 @@ impl Dialogs {
             keys: KeyTable::default(),
             light: LightWindow::default(),
             references: ReferencesWindow::default(),
-            palette: Palette::default(),
+            palette: CommandPalette::default(),
             new: NewDialog::new(new),
             final_picture: FinalDialog::default(),
             film: FilmDialog::default(),
@@ -164,7 +164,7 @@ impl Dialogs {
 
     /// Closes the topmost open window. Returns false if there is none.
     pub fn close_top(&mut self) -> bool {
-        let mut rows: Vec<&Row> = LIST.iter().filter(|row| row.turn.is_some()).collect();
+        let mut rows: Vec<&DialogRow> = LIST.iter().filter(|row| row.turn.is_some()).collect();
         rows.sort_by_key(|row| row.turn);
         rows.into_iter().any(|row| (row.of_mut)(self).close())
     }
@@ -177,7 +177,7 @@ impl Dialogs {
 
 /// Where a dialog is shown.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Place {
+enum DialogPlace {
     Everywhere,
     /// In the window only: it needs keyboard, mouse or the screen.
     Desk,
@@ -185,21 +185,21 @@ enum Place {
     Board,
 }
 
-impl Place {
+impl DialogPlace {
     fn is_here(self, in_headset: bool) -> bool {
         match self {
-            Place::Everywhere => true,
-            Place::Desk => !in_headset,
-            Place::Board => in_headset,
+            DialogPlace::Everywhere => true,
+            DialogPlace::Desk => !in_headset,
+            DialogPlace::Board => in_headset,
         }
     }
 }
 
 /// A dialog of the list.
-struct Row {
+struct DialogRow {
     of: fn(&Dialogs) -> &dyn Dialog,
     of_mut: fn(&mut Dialogs) -> &mut dyn Dialog,
-    place: Place,
+    place: DialogPlace,
     /// Its turn when Escape closes a window, unless it handles Escape itself.
     turn: Option<u8>,
 }
@@ -207,17 +207,17 @@ struct Row {
 /// The row of the dialog with this state.
 macro_rules! row {
     ($($state:ident).+, $place:ident, $turn:expr) => {
-        Row {
+        DialogRow {
             of: |dialogs| &dialogs.$($state).+,
             of_mut: |dialogs| &mut dialogs.$($state).+,
-            place: Place::$place,
+            place: DialogPlace::$place,
             turn: $turn,
         }
     };
 }
 
 /// All dialogs in the order of drawing: later ones lie over earlier ones.
-static LIST: [Row; 21] = [
+static LIST: [DialogRow; 21] = [
     // In the window it is a strip below the picture.
     row!(guide, Board, Some(17)),
     row!(light, Everywhere, Some(16)),

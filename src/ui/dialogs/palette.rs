@@ -8,7 +8,7 @@ use egui::{Align2, Button, Id, Key, Modal, Modifiers, RichText, ScrollArea, Text
 use egui::{WidgetInfo, WidgetType, vec2};
 
 use crate::command::{COMMANDS, Command, CommandHelp};
-use crate::input::action::Kind;
+use crate::input::action::TriggerKind;
 use crate::input::{Action, Bindings};
 use crate::ui::dialogs::elsewhere::{ELSEWHERE, Elsewhere, SearchTarget};
 use crate::ui::dialogs::shared::{Dialog, DialogContext};
@@ -28,7 +28,7 @@ const AFTER_WORDS: u32 = 5;
 
 /// The typed text, and the chosen entry.
 #[derive(Clone, PartialEq, Debug, Default)]
-pub struct Palette {
+pub struct CommandPalette {
     pub open: bool,
     text: String,
     chosen: usize,
@@ -36,16 +36,16 @@ pub struct Palette {
     completed: bool,
 }
 
-impl Palette {
+impl CommandPalette {
     /// Opens it, empty.
     pub fn open(&mut self) {
-        *self = Palette { open: true, ..Palette::default() };
+        *self = CommandPalette { open: true, ..CommandPalette::default() };
     }
 }
 
 /// A line of the list.
 #[derive(Clone, PartialEq, Debug)]
-enum Entry {
+enum PaletteEntry {
     /// The typed text is this command.
     Run(Box<Command>),
     Do(Action),
@@ -55,15 +55,15 @@ enum Entry {
     Complete(&'static CommandHelp),
 }
 
-impl Entry {
+impl PaletteEntry {
     /// Returns whether it can be chosen here: drags and the wheel need a hand on the mouse.
     fn can_be_chosen(&self) -> bool {
-        !matches!(self, Entry::Do(action) if action.help().kind != Kind::Tap)
+        !matches!(self, PaletteEntry::Do(action) if action.help().kind != TriggerKind::Tap)
     }
 }
 
 /// Returns the entries for `typed`, and its error as a command.
-fn entries(typed: &str, bindings: Option<&Bindings>) -> (Vec<Entry>, Option<String>) {
+fn entries(typed: &str, bindings: Option<&Bindings>) -> (Vec<PaletteEntry>, Option<String>) {
     let typed = typed.trim();
     let verb = typed.split_whitespace().next().unwrap_or_default();
     let is_command = COMMANDS.iter().any(|command| command.verb == verb);
@@ -72,7 +72,7 @@ fn entries(typed: &str, bindings: Option<&Bindings>) -> (Vec<Entry>, Option<Stri
     let (mut run, mut error) = (None, None);
     if is_command {
         match typed.parse::<Command>() {
-            Ok(command) => run = Some(Entry::Run(Box::new(command))),
+            Ok(command) => run = Some(PaletteEntry::Run(Box::new(command))),
             Err(_) if alone => {}
             Err(reason) => error = Some(reason.to_string()),
         }
@@ -83,14 +83,14 @@ fn entries(typed: &str, bindings: Option<&Bindings>) -> (Vec<Entry>, Option<Stri
     let mut ranked = Vec::new();
     // An empty search leads to none of these.
     let elsewhere = ELSEWHERE.iter().filter(|_| !filter.is_empty());
-    ranked.extend(elsewhere.filter_map(|it| Some((it.rank(&filter)?, Entry::See(it)))));
+    ranked.extend(elsewhere.filter_map(|it| Some((it.rank(&filter)?, PaletteEntry::See(it)))));
     for &action in Action::ALL {
         let help = action.help();
         let triggers: Vec<String> =
             bindings.into_iter().flat_map(|b| b.triggers(action)).map(|t| t.to_string()).collect();
         let keys: Vec<&str> = triggers.iter().map(String::as_str).collect();
         if let Some(rank) = filter.rank(help.text, &[help.name, help.synonyms], &keys) {
-            let entry = Entry::Do(action);
+            let entry = PaletteEntry::Do(action);
             let last = filter.is_empty() && !entry.can_be_chosen();
             ranked.push((if last { LAST } else { rank }, entry));
         }
@@ -102,7 +102,7 @@ fn entries(typed: &str, bindings: Option<&Bindings>) -> (Vec<Entry>, Option<Stri
         let rank = if command.verb == verb && !alone { Some(0) } else { rank };
         let after = if alone { AFTER_WORDS } else { 1 };
         let after = if filter.is_empty() { 0 } else { after };
-        ranked.extend(rank.map(|rank| (rank + after, Entry::Complete(command))));
+        ranked.extend(rank.map(|rank| (rank + after, PaletteEntry::Complete(command))));
     }
     ranked.sort_by_key(|(rank, _)| *rank);
     if let Some(run) = run {
@@ -123,7 +123,7 @@ fn triggers_of(action: Action, bindings: Option<&Bindings>) -> String {
     triggers.map(|trigger| trigger.to_string()).collect::<Vec<_>>().join(", ")
 }
 
-impl Dialog for Palette {
+impl Dialog for CommandPalette {
     fn is_open(&self) -> bool {
         self.open
     }
@@ -194,9 +194,9 @@ impl Keys {
     }
 }
 
-impl Palette {
+impl CommandPalette {
     /// Moves the choice by so many selectable entries. Returns true if it has changed.
-    fn go(&mut self, list: &[Entry], by: isize) -> bool {
+    fn go(&mut self, list: &[PaletteEntry], by: isize) -> bool {
         let can: Vec<usize> = (0..list.len()).filter(|i| list[*i].can_be_chosen()).collect();
         let before = self.chosen;
         let now = can.iter().position(|i| *i >= before).unwrap_or(can.len().saturating_sub(1));
@@ -206,19 +206,19 @@ impl Palette {
     }
 
     /// Requests the chosen entry. Returns the option to show, if it leads to one.
-    fn choose(&mut self, entry: &Entry, requests: &mut Vec<UiRequest>) -> Option<Spot> {
+    fn choose(&mut self, entry: &PaletteEntry, requests: &mut Vec<UiRequest>) -> Option<Spot> {
         let mut led_to = None;
         match entry {
-            Entry::Run(command) => requests.push(UiRequest::Run((**command).clone())),
-            Entry::Do(action) => requests.push(UiRequest::Do(*action)),
-            Entry::See(Elsewhere { target: SearchTarget::Do(action), .. }) => {
+            PaletteEntry::Run(command) => requests.push(UiRequest::Run((**command).clone())),
+            PaletteEntry::Do(action) => requests.push(UiRequest::Do(*action)),
+            PaletteEntry::See(Elsewhere { target: SearchTarget::Do(action), .. }) => {
                 requests.push(UiRequest::Do(*action));
             }
-            Entry::See(Elsewhere { target: SearchTarget::Option(spot), .. }) => {
+            PaletteEntry::See(Elsewhere { target: SearchTarget::Option(spot), .. }) => {
                 requests.extend(spot.needs().map(UiRequest::Do));
                 led_to = Some(*spot);
             }
-            Entry::Complete(command) => {
+            PaletteEntry::Complete(command) => {
                 // Keeps arguments already typed after the verb.
                 let typed = self.text.split_whitespace().collect::<Vec<_>>();
                 if typed.first() != Some(&command.verb) || typed.len() == 1 {
@@ -234,7 +234,7 @@ impl Palette {
     }
 }
 
-fn field(ui: &mut Ui, palette: &mut Palette) {
+fn field(ui: &mut Ui, palette: &mut CommandPalette) {
     let mut output = TextEdit::singleline(&mut palette.text)
         .hint_text("Search actions, or type a script command")
         .desired_width(f32::INFINITY)
@@ -256,23 +256,28 @@ fn field(ui: &mut Ui, palette: &mut Palette) {
     }
 }
 
-fn row(ui: &mut Ui, entry: &Entry, chosen: bool, bindings: Option<&Bindings>) -> egui::Response {
+fn row(
+    ui: &mut Ui,
+    entry: &PaletteEntry,
+    chosen: bool,
+    bindings: Option<&Bindings>,
+) -> egui::Response {
     let (text, right, tip) = match entry {
-        Entry::Run(command) => (
+        PaletteEntry::Run(command) => (
             RichText::new(format!("Run {command}")).strong(),
             "Enter".to_string(),
             "Run the command as typed".to_string(),
         ),
-        Entry::Do(action) => {
+        PaletteEntry::Do(action) => {
             let (help, triggers) = (action.help(), triggers_of(*action, bindings));
             let how = match help.kind {
-                Kind::Tap => "",
-                Kind::Hold => " (hold)",
-                Kind::Drag => " (drag)",
-                Kind::Wheel => " (turn)",
+                TriggerKind::Tap => "",
+                TriggerKind::Hold => " (hold)",
+                TriggerKind::Drag => " (drag)",
+                TriggerKind::Wheel => " (turn)",
             };
             let tip = match help.kind {
-                Kind::Tap => help.text.to_string(),
+                TriggerKind::Tap => help.text.to_string(),
                 _ => format!(
                     "{}: use the mouse or hold the key; it cannot be started from here",
                     help.text
@@ -280,7 +285,7 @@ fn row(ui: &mut Ui, entry: &Entry, chosen: bool, bindings: Option<&Bindings>) ->
             };
             (RichText::new(help.text), format!("{triggers}{how}"), tip)
         }
-        Entry::See(it) => {
+        PaletteEntry::See(it) => {
             let (right, what) = match it.target {
                 SearchTarget::Do(action) => (triggers_of(action, bindings), action.help().text),
                 SearchTarget::Option(_) => {
@@ -289,7 +294,7 @@ fn row(ui: &mut Ui, entry: &Entry, chosen: bool, bindings: Option<&Bindings>) ->
             };
             (RichText::new(it.text), right, format!("{}\n{what}", it.text))
         }
-        Entry::Complete(command) => (
+        PaletteEntry::Complete(command) => (
             RichText::new(format!("{} {}", command.verb, command.usage)).monospace(),
             "script command".to_string(),
             format!("{}\n{} {}", command.tooltip, command.verb, command.usage),

@@ -11,7 +11,7 @@ fn direct() -> Bindings {
     Bindings::presets().unwrap().remove(0)
 }
 
-fn listed(typed: &str) -> Vec<Entry> {
+fn listed(typed: &str) -> Vec<PaletteEntry> {
     entries(typed, Some(&direct())).0
 }
 
@@ -22,11 +22,13 @@ fn without_words_everything_is_listed() {
 
 #[test]
 fn words_choose_by_text_name_key_and_usage() {
-    assert_eq!(listed("step undo last")[0], Entry::Do(Action::Undo));
-    assert!(listed("ctrl+z").contains(&Entry::Do(Action::Undo)));
-    assert!(listed("next-render").contains(&Entry::Do(Action::NextRenderMode)));
+    assert_eq!(listed("step undo last")[0], PaletteEntry::Do(Action::Undo));
+    assert!(listed("ctrl+z").contains(&PaletteEntry::Do(Action::Undo)));
+    assert!(listed("next-render").contains(&PaletteEntry::Do(Action::NextRenderMode)));
     assert!(matches!(listed("mirror planes centre fly")[..], []));
-    assert!(matches!(listed("off even odd")[..], [Entry::Complete(c)] if c.verb == "symmetry"));
+    assert!(
+        matches!(listed("off even odd")[..], [PaletteEntry::Complete(c)] if c.verb == "symmetry")
+    );
 }
 
 /// Checks the words of people who know other programs, and the action that must come first.
@@ -150,7 +152,7 @@ fn what_people_type_finds_the_action() {
     ];
     let first = |typed: &str| {
         listed(typed).into_iter().find_map(|entry| match entry {
-            Entry::Do(action) => Some(action),
+            PaletteEntry::Do(action) => Some(action),
             _ => None,
         })
     };
@@ -161,7 +163,7 @@ fn what_people_type_finds_the_action() {
     // No entry for other words precedes it, unless intended.
     let led: Vec<&str> = expected
         .iter()
-        .filter(|(typed, _)| matches!(listed(typed)[0], Entry::See(_)))
+        .filter(|(typed, _)| matches!(listed(typed)[0], PaletteEntry::See(_)))
         .map(|(typed, _)| *typed)
         .collect();
     assert_eq!(led, ["array", "gizmo"]);
@@ -181,8 +183,8 @@ fn synonyms_are_as_searches_are_brought_into() {
 #[test]
 fn a_verb_alone_comes_after_the_actions_that_are_called_so() {
     for (typed, first) in [("undo", Action::Undo), ("clear", Action::Clear)] {
-        assert_eq!(listed(typed)[0], Entry::Do(first));
-        let run = Entry::Run(Box::new(typed.parse().unwrap()));
+        assert_eq!(listed(typed)[0], PaletteEntry::Do(first));
+        let run = PaletteEntry::Run(Box::new(typed.parse().unwrap()));
         assert!(listed(typed).contains(&run), "{typed}");
     }
 }
@@ -191,35 +193,35 @@ fn a_verb_alone_comes_after_the_actions_that_are_called_so() {
 fn a_typed_command_comes_first_and_a_wrong_one_says_why() {
     let line = "subtract cuboid at=8,8,8 half=2";
     let (list, error) = entries(line, None);
-    assert_eq!(list[0], Entry::Run(Box::new(line.parse().unwrap())));
+    assert_eq!(list[0], PaletteEntry::Run(Box::new(line.parse().unwrap())));
     assert_eq!(error, None);
     let (list, error) = entries("subtract sponge at=8,8,8", None);
-    assert!(matches!(list[..], [Entry::Complete(c)] if c.verb == "subtract"), "{list:?}");
+    assert!(matches!(list[..], [PaletteEntry::Complete(c)] if c.verb == "subtract"), "{list:?}");
     assert!(error.unwrap().contains("sponge"));
     assert_eq!(entries("sponge", None).1, None, "no command at all");
 }
 
 #[test]
 fn what_the_mouse_does_comes_last_and_is_passed_over() {
-    let mut palette = Palette::default();
+    let mut palette = CommandPalette::default();
     let list = listed("");
     palette.go(&list, 0);
-    assert_eq!(list[palette.chosen], Entry::Do(Action::PickHere));
+    assert_eq!(list[palette.chosen], PaletteEntry::Do(Action::PickHere));
     palette.go(&list, -1);
-    assert_eq!(list[palette.chosen], Entry::Do(Action::PickHere));
+    assert_eq!(list[palette.chosen], PaletteEntry::Do(Action::PickHere));
     palette.go(&list, 1);
-    assert_eq!(list[palette.chosen], Entry::Do(Action::Flood));
+    assert_eq!(list[palette.chosen], PaletteEntry::Do(Action::Flood));
     palette.go(&list, 1);
-    assert_eq!(list[palette.chosen], Entry::Do(Action::Cancel));
+    assert_eq!(list[palette.chosen], PaletteEntry::Do(Action::Cancel));
     palette.go(&list, 1000);
     let last = &list[palette.chosen];
-    assert!(matches!(last, Entry::Complete(c) if c.verb == "place"), "{last:?}");
+    assert!(matches!(last, PaletteEntry::Complete(c) if c.verb == "place"), "{last:?}");
     assert!(!palette.go(&[], 1) || palette.chosen == 0);
 }
 
 /// Returns the first entry that Enter chooses.
-fn chosen(typed: &str) -> Option<Entry> {
-    let mut palette = Palette { text: typed.to_string(), ..Palette::default() };
+fn chosen(typed: &str) -> Option<PaletteEntry> {
+    let mut palette = CommandPalette { text: typed.to_string(), ..CommandPalette::default() };
     let list = listed(typed);
     palette.go(&list, 0);
     list.get(palette.chosen).filter(|entry| entry.can_be_chosen()).cloned()
@@ -227,19 +229,22 @@ fn chosen(typed: &str) -> Option<Entry> {
 
 #[test]
 fn the_name_of_an_action_beats_a_command() {
-    assert_eq!(chosen("symmetry"), Some(Entry::Do(Action::Mirror(Axis::X))));
-    assert_eq!(chosen("mask"), Some(Entry::Do(Action::Brush(BrushId::Mask))));
-    assert_eq!(chosen("noise"), Some(Entry::Do(Action::Tints)));
-    assert!(
-        matches!(chosen("array"), Some(Entry::See(it)) if it.target == SearchTarget::Option(Spot::Array))
-    );
+    assert_eq!(chosen("symmetry"), Some(PaletteEntry::Do(Action::Mirror(Axis::X))));
+    assert_eq!(chosen("mask"), Some(PaletteEntry::Do(Action::Brush(BrushId::Mask))));
+    assert_eq!(chosen("noise"), Some(PaletteEntry::Do(Action::Tints)));
+    assert!(matches!(
+        chosen("array"),
+        Some(PaletteEntry::See(it)) if it.target == SearchTarget::Option(Spot::Array)
+    ));
     for help in COMMANDS.iter() {
         let (list, error) = entries(help.verb, Some(&direct()));
         assert_eq!(error, None, "{} is not wrong because it is not complete", help.verb);
-        let is_command = |entry: &Entry| matches!(entry, Entry::Run(_) | Entry::Complete(_));
+        let is_command = |entry: &PaletteEntry| {
+            matches!(entry, PaletteEntry::Run(_) | PaletteEntry::Complete(_))
+        };
         let first = list.iter().position(is_command).unwrap();
-        let named = |entry: &Entry| match entry {
-            Entry::Do(action) => {
+        let named = |entry: &PaletteEntry| match entry {
+            PaletteEntry::Do(action) => {
                 Filter::new(help.verb).rank(action.help().text, &[], &[]) == Some(0)
             }
             _ => false,
@@ -251,9 +256,10 @@ fn the_name_of_an_action_beats_a_command() {
 #[test]
 fn a_command_that_is_not_complete_is_begun() {
     for help in COMMANDS.iter().filter(|help| !help.usage.is_empty()) {
-        let mut palette = Palette { open: true, text: help.verb.to_string(), ..Palette::default() };
+        let mut palette =
+            CommandPalette { open: true, text: help.verb.to_string(), ..CommandPalette::default() };
         let mut requests = Vec::new();
-        palette.choose(&Entry::Complete(help), &mut requests);
+        palette.choose(&PaletteEntry::Complete(help), &mut requests);
         assert_eq!((palette.text.as_str(), requests.len()), (&*format!("{} ", help.verb), 0));
         assert!(palette.open && palette.completed);
         assert_eq!(begun(&palette.text), Some(help), "its arguments are shown");
@@ -304,10 +310,10 @@ fn what_is_called_otherwise_or_missing_is_said() {
     for (typed, target) in wanted {
         let found = chosen(typed);
         assert!(
-            matches!(&found, Some(Entry::See(it)) if it.target == target),
+            matches!(&found, Some(PaletteEntry::See(it)) if it.target == target),
             "{typed}: {found:?}"
         );
     }
-    assert_eq!(chosen("export stl"), Some(Entry::Do(Action::Export)));
-    assert_eq!(listed("free rotate")[0], Entry::Do(Action::TurnSculpture));
+    assert_eq!(chosen("export stl"), Some(PaletteEntry::Do(Action::Export)));
+    assert_eq!(listed("free rotate")[0], PaletteEntry::Do(Action::TurnSculpture));
 }

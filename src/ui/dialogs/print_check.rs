@@ -10,8 +10,8 @@ use glam::Vec3;
 
 use crate::command::Command;
 use crate::document::Document;
-use crate::print_check::{CheckOptions, Checked, Finding, Kind, Place};
-use crate::render::overlay::Line;
+use crate::print_check::{CheckOptions, Checked, FaultKind, FaultLocation, Finding};
+use crate::render::overlay::OverlayLine;
 use crate::sculpture::Rgb;
 use crate::sculpture::region::VoxelBox;
 use crate::tools::repair::Repair;
@@ -33,23 +33,23 @@ const LENGTHS_MM: std::ops::RangeInclusive<f32> = 0.01..=10_000.0;
 
 /// The findings of a check, and their display.
 #[derive(Debug)]
-pub struct Found {
+pub struct ShownFindings {
     pub checked: Checked,
     /// The revision of the document that was checked.
     revision: u64,
     /// Lines along x through the voxels of each finding.
-    hatches: Vec<(Kind, Vec3, Vec3)>,
+    hatches: Vec<(FaultKind, Vec3, Vec3)>,
 }
 
-impl Found {
-    pub fn new(checked: Checked, revision: u64) -> Found {
+impl ShownFindings {
+    pub fn new(checked: Checked, revision: u64) -> ShownFindings {
         let hatches = checked.findings.iter().flat_map(hatches).collect();
-        Found { checked, revision, hatches }
+        ShownFindings { checked, revision, hatches }
     }
 }
 
 /// A thread's slot for its findings.
-pub type News = Arc<Mutex<Option<Found>>>;
+pub type FindingsSlot = Arc<Mutex<Option<ShownFindings>>>;
 
 /// The window's own state.
 #[derive(Debug)]
@@ -58,23 +58,23 @@ pub struct PrintCheck {
     pub options: CheckOptions,
     /// The view shows the findings.
     pub shown: bool,
-    found: Option<Found>,
+    found: Option<ShownFindings>,
     /// The place that was clicked.
     chosen: Option<VoxelBox>,
-    news: News,
+    news: FindingsSlot,
 }
 
 impl Default for PrintCheck {
     fn default() -> PrintCheck {
         let options = CheckOptions::default();
-        let (found, chosen, news) = (None, None, News::default());
+        let (found, chosen, news) = (None, None, FindingsSlot::default());
         PrintCheck { open: false, options, shown: true, found, chosen, news }
     }
 }
 
 impl PrintCheck {
     /// Returns the slot for the next result.
-    pub fn news(&self) -> News {
+    pub fn news(&self) -> FindingsSlot {
         self.news.clone()
     }
 
@@ -93,19 +93,25 @@ impl PrintCheck {
     }
 
     /// Returns the findings if they are of the present state of the sculpture.
-    fn current(&self, document: &Document) -> Option<&Found> {
+    fn current(&self, document: &Document) -> Option<&ShownFindings> {
         self.found.as_ref().filter(|found| found.revision == document.revision())
     }
 
     /// Returns the lines that show the findings in the view, while the window is open and they are current.
-    pub fn lines(&self, document: &Document) -> Vec<Line> {
+    pub fn lines(&self, document: &Document) -> Vec<OverlayLine> {
         let mut lines = Vec::new();
         let Some(found) = self.current(document).filter(|_| self.open && self.shown) else {
             return lines;
         };
         for (kind, from, to) in &found.hatches {
             let colour = colour(*kind);
-            lines.push(Line { from: *from, to: *to, colour, width_px: 2.0, opacity: [1.0, 0.45] });
+            lines.push(OverlayLine {
+                from: *from,
+                to: *to,
+                colour,
+                width_px: 2.0,
+                opacity: [1.0, 0.45],
+            });
         }
         let places = found.checked.findings.iter();
         for (kind, place) in
@@ -121,19 +127,19 @@ impl PrintCheck {
 }
 
 /// Returns the colour of a kind in the view and in the list.
-fn colour(kind: Kind) -> Rgb {
+fn colour(kind: FaultKind) -> Rgb {
     match kind {
-        Kind::Islands => Rgb::new(0xe0, 0x50, 0xc0),
-        Kind::Cavities => Rgb::new(0x38, 0x98, 0xff),
-        Kind::ThinWalls => Rgb::new(0xf0, 0x40, 0x30),
-        Kind::Overhangs => Rgb::new(0xf8, 0xa8, 0x10),
+        FaultKind::Islands => Rgb::new(0xe0, 0x50, 0xc0),
+        FaultKind::Cavities => Rgb::new(0x38, 0x98, 0xff),
+        FaultKind::ThinWalls => Rgb::new(0xf0, 0x40, 0x30),
+        FaultKind::Overhangs => Rgb::new(0xf8, 0xa8, 0x10),
     }
 }
 
 /// Returns lines through runs of voxels along x, skipping rows of a large finding.
-fn hatches(finding: &Finding) -> Vec<(Kind, Vec3, Vec3)> {
+fn hatches(finding: &Finding) -> Vec<(FaultKind, Vec3, Vec3)> {
     // Overhangs are seen from below: the line would lie inside the voxels.
-    let lift = if finding.kind == Kind::Overhangs { -0.05 } else { 0.5 };
+    let lift = if finding.kind == FaultKind::Overhangs { -0.05 } else { 0.5 };
     let mut runs: Vec<(Vec3, Vec3)> = Vec::new();
     for (b, mask) in finding.marked.bricks() {
         let corner = (*b * 8).as_vec3();
@@ -155,7 +161,13 @@ fn hatches(finding: &Finding) -> Vec<(Kind, Vec3, Vec3)> {
 }
 
 /// Adds the twelve edges of a box.
-fn frame(lines: &mut Vec<Line>, bounds: VoxelBox, colour: Rgb, width_px: f32, opacity: [f32; 2]) {
+fn frame(
+    lines: &mut Vec<OverlayLine>,
+    bounds: VoxelBox,
+    colour: Rgb,
+    width_px: f32,
+    opacity: [f32; 2],
+) {
     let (min, max) = (bounds.min.as_vec3(), bounds.max.as_vec3());
     for axis in 0..3 {
         for corner in 0..4 {
@@ -165,7 +177,7 @@ fn frame(lines: &mut Vec<Line>, bounds: VoxelBox, colour: Rgb, width_px: f32, op
             from[v] = if corner & 2 == 0 { min[v] } else { max[v] };
             let mut to = from;
             to[axis] = max[axis];
-            lines.push(Line { from, to, colour, width_px, opacity });
+            lines.push(OverlayLine { from, to, colour, width_px, opacity });
         }
     }
 }
@@ -332,7 +344,7 @@ fn of_kind(
             ui.weak("The slicer adds support here");
         }
     });
-    for Place { voxels, bounds } in finding.places.iter().take(LISTED) {
+    for FaultLocation { voxels, bounds } in finding.places.iter().take(LISTED) {
         let size = sizes((bounds.max - bounds.min).as_vec3() * checked.voxel_mm);
         let is_chosen = *chosen == Some(*bounds);
         let label = ui.selectable_label(is_chosen, format!("{size}, {voxels} voxels"));
@@ -353,12 +365,12 @@ fn of_kind(
 }
 
 /// Describes a kind of finding, for tooltips.
-const fn meaning(kind: Kind) -> &'static str {
+const fn meaning(kind: FaultKind) -> &'static str {
     match kind {
-        Kind::Islands => "Floating pieces, connected to nothing",
-        Kind::Cavities => "Enclosed empty spaces",
-        Kind::ThinWalls => "Walls below the minimum thickness",
-        Kind::Overhangs => "Surfaces that need support",
+        FaultKind::Islands => "Floating pieces, connected to nothing",
+        FaultKind::Cavities => "Enclosed empty spaces",
+        FaultKind::ThinWalls => "Walls below the minimum thickness",
+        FaultKind::Overhangs => "Surfaces that need support",
     }
 }
 

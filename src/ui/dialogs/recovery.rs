@@ -49,7 +49,7 @@ pub struct LeftWork {
 }
 
 /// A session in the list.
-struct Row {
+struct RecoveryRow {
     left: LeftSession,
     picture: Option<TextureHandle>,
 }
@@ -60,7 +60,7 @@ type News = Arc<Mutex<Option<Vec<LeftSession>>>>;
 #[derive(Default)]
 pub struct RecoveryDialog {
     news: News,
-    rows: Vec<Row>,
+    rows: Vec<RecoveryRow>,
     /// The journal whose removal is being confirmed.
     discards: Option<u64>,
 }
@@ -87,7 +87,7 @@ impl RecoveryDialog {
     fn take_news(&mut self) {
         let news = self.news.lock().unwrap_or_else(PoisonError::into_inner).take();
         if let Some(found) = news {
-            self.rows = found.into_iter().map(|left| Row { left, picture: None }).collect();
+            self.rows = found.into_iter().map(|left| RecoveryRow { left, picture: None }).collect();
         }
     }
 }
@@ -135,7 +135,7 @@ impl Dialog for RecoveryDialog {
 
 fn show_row(
     ui: &mut Ui,
-    Row { left, picture }: &mut Row,
+    RecoveryRow { left, picture }: &mut RecoveryRow,
     discards: &mut Option<u64>,
     requests: &mut Vec<UiRequest>,
 ) {

@@ -24,7 +24,7 @@ const MOST_FACTOR: f32 = 2.0;
 
 /// The tools that the window offers.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Kind {
+enum TintTool {
     Adjust,
     Gradient,
     Noise,
@@ -35,7 +35,7 @@ enum Kind {
 pub struct Tints {
     pub open: bool,
     area: Area,
-    kind: Kind,
+    kind: TintTool,
     hue_deg: f32,
     saturation: f32,
     value: f32,
@@ -55,7 +55,7 @@ impl Default for Tints {
         Tints {
             open: false,
             area: Area::Grid,
-            kind: Kind::Adjust,
+            kind: TintTool::Adjust,
             hue_deg: 0.0,
             saturation: 1.0,
             value: 1.0,
@@ -73,16 +73,16 @@ impl Tints {
     /// Returns the chosen tint. A gradient spans the existing voxels of the area.
     fn tint(&self, context: &UiContext) -> Tint {
         match self.kind {
-            Kind::Adjust => Tint::Adjust {
+            TintTool::Adjust => Tint::Adjust {
                 hue_deg: self.hue_deg,
                 saturation: self.saturation,
                 value: self.value,
             },
-            Kind::Gradient => {
+            TintTool::Gradient => {
                 let [from_vx, to_vx] = ends(context.document, self.area, self.axis);
                 Tint::Gradient { from_vx, to_vx, colours: self.colours, strength: self.strength }
             }
-            Kind::Noise => Tint::Noise {
+            TintTool::Noise => Tint::Noise {
                 colour: context.tool.colour,
                 size: self.size,
                 amount: self.amount,
@@ -147,9 +147,9 @@ impl Dialog for Tints {
                 choices(ui, self, context);
                 ui.separator();
                 match self.kind {
-                    Kind::Adjust => adjustment(ui, self),
-                    Kind::Gradient => gradient(ui, self),
-                    Kind::Noise => noise(ui, self, context),
+                    TintTool::Adjust => adjustment(ui, self),
+                    TintTool::Gradient => gradient(ui, self),
+                    TintTool::Noise => noise(ui, self, context),
                 }
                 ui.add_space(4.0);
                 let apply = ui.add(Button::new("Apply").min_size([90.0, 24.0].into()));
@@ -207,9 +207,9 @@ fn choices(ui: &mut Ui, window: &mut Tints, context: &UiContext) {
     }
     ui.horizontal(|ui| {
         for (kind, name, help) in [
-            (Kind::Adjust, "Adjust", "Change hue, saturation and value"),
-            (Kind::Gradient, "Gradient", "From one colour to another along an axis"),
-            (Kind::Noise, "Noise", "Irregular patches of the tool's colour"),
+            (TintTool::Adjust, "Adjust", "Change hue, saturation and value"),
+            (TintTool::Gradient, "Gradient", "From one colour to another along an axis"),
+            (TintTool::Noise, "Noise", "Irregular patches of the tool's colour"),
         ] {
             ui.selectable_value(&mut window.kind, kind, name).on_hover_text(help);
         }

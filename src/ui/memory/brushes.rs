@@ -6,7 +6,7 @@ use crate::tools::brush::BrushId;
 use crate::tools::brush::keys::{
     BITE, FALLOFF, ONCE_PER_STROKE, OUTLINE, RADIUS, REACH, STEADY, STRENGTH, THRESHOLD,
 };
-use crate::tools::brush::param::{Domain, Param, Value};
+use crate::tools::brush::param::{Domain, OptionValue, Param};
 use crate::ui::memory::values::neat;
 
 /// The keys of brushes under an outline until November 2026, with today's.
@@ -83,39 +83,43 @@ fn recall_by(
     }
 }
 
-fn text(param: &Param, value: Value) -> toml::Value {
+fn text(param: &Param, value: OptionValue) -> toml::Value {
     match (param.domain, value) {
-        (_, Value::Number(number)) => toml::Value::Float(neat(number)),
-        (_, Value::Whole(count)) => toml::Value::Integer(i64::from(count)),
-        (_, Value::On(on)) => toml::Value::Boolean(on),
-        (Domain::Choice(choices), Value::Choice(place)) => {
+        (_, OptionValue::Number(number)) => toml::Value::Float(neat(number)),
+        (_, OptionValue::Whole(count)) => toml::Value::Integer(i64::from(count)),
+        (_, OptionValue::On(on)) => toml::Value::Boolean(on),
+        (Domain::Choice(choices), OptionValue::Choice(place)) => {
             let name = choices.get(usize::from(place)).map_or("", |choice| choice.name);
             toml::Value::String(name.to_string())
         }
-        (_, Value::Colour(colour)) => toml::Value::String(colour.to_string()),
-        (_, Value::Choice(_) | Value::Absent) => toml::Value::String(String::new()),
+        (_, OptionValue::Colour(colour)) => toml::Value::String(colour.to_string()),
+        (_, OptionValue::Choice(_) | OptionValue::Absent) => toml::Value::String(String::new()),
     }
 }
 
-fn value(param: &Param, kept: &toml::Value) -> Option<Value> {
+fn value(param: &Param, kept: &toml::Value) -> Option<OptionValue> {
     match (param.domain, kept) {
         (Domain::Radius | Domain::Number(_), toml::Value::Float(number)) => {
-            Some(Value::Number(*number as f32))
+            Some(OptionValue::Number(*number as f32))
         }
         (Domain::Radius | Domain::Number(_), toml::Value::Integer(number)) => {
-            Some(Value::Number(*number as f32))
+            Some(OptionValue::Number(*number as f32))
         }
         (Domain::Whole(_), toml::Value::Integer(count)) => {
-            u32::try_from(*count).ok().map(Value::Whole)
+            u32::try_from(*count).ok().map(OptionValue::Whole)
         }
-        (Domain::Switch, toml::Value::Boolean(on)) => Some(Value::On(*on)),
-        (Domain::Colour, toml::Value::String(colour)) => colour.parse().ok().map(Value::Colour),
+        (Domain::Switch, toml::Value::Boolean(on)) => Some(OptionValue::On(*on)),
+        (Domain::Colour, toml::Value::String(colour)) => {
+            colour.parse().ok().map(OptionValue::Colour)
+        }
         (Domain::Choice(choices), toml::Value::String(name)) => {
             let place = choices.iter().position(|choice| choice.name == name)?;
-            Some(Value::Choice(place as u8))
+            Some(OptionValue::Choice(place as u8))
         }
         // The second of two choices used to be a switch.
-        (Domain::Choice(_), toml::Value::Boolean(second)) => Some(Value::Choice(u8::from(*second))),
+        (Domain::Choice(_), toml::Value::Boolean(second)) => {
+            Some(OptionValue::Choice(u8::from(*second)))
+        }
         _ => None,
     }
 }
@@ -130,11 +134,11 @@ mod tests {
         for &brush in BrushId::ALL {
             for (param, value) in brushes.of(brush).clone().iter() {
                 let value = match value {
-                    Value::Number(number) => Value::Number(0.25 * number + 0.5),
-                    Value::Whole(count) => Value::Whole(count + 1),
-                    Value::On(on) => Value::On(!on),
-                    Value::Choice(place) => Value::Choice(1 - place.min(1)),
-                    Value::Absent | Value::Colour(_) => panic!("{param:?}"),
+                    OptionValue::Number(number) => OptionValue::Number(0.25 * number + 0.5),
+                    OptionValue::Whole(count) => OptionValue::Whole(count + 1),
+                    OptionValue::On(on) => OptionValue::On(!on),
+                    OptionValue::Choice(place) => OptionValue::Choice(1 - place.min(1)),
+                    OptionValue::Absent | OptionValue::Colour(_) => panic!("{param:?}"),
                 };
                 brushes.of_mut(brush).set_value(param.key, value);
             }

@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::trace::{
-    AreaLight, Ground, LightOptions, MAX_BOUNCES, MAX_FINAL_SAMPLES, SunLight, TraceOptions,
+    AreaLight, LightOptions, MAX_BOUNCES, MAX_FINAL_SAMPLES, SunLight, TraceGround, TraceOptions,
 };
 use crate::ui::dialogs::final_choices::FinalDialog;
 use crate::ui::memory::values::{neat, within};
@@ -90,7 +90,7 @@ impl KeptFinal {
         let colour = self.ground.and_then(|text| text.parse().ok());
         dialog.ground = colour.unwrap_or(dialog.ground);
         let has_ground = self.has_ground.unwrap_or(ground.is_some());
-        *ground = has_ground.then_some(Ground { colour: dialog.ground });
+        *ground = has_ground.then_some(TraceGround { colour: dialog.ground });
     }
 }
 

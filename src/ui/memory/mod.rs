@@ -49,7 +49,7 @@ const SIDES: std::ops::RangeInclusive<u32> = 64..=16384;
 
 #[derive(Default, Serialize, Deserialize)]
 #[serde(default)]
-struct Kept {
+struct KeptState {
     #[serde(deserialize_with = "lenient")]
     theme: Option<Theme>,
     #[serde(deserialize_with = "lenient")]
@@ -163,7 +163,7 @@ pub fn to_text(state: &UiState, tool: &ToolState, window: &WindowOptions) -> Str
         panels.map(|panel| panel.title().to_string()).collect()
     };
     let places = state.layout.windows.panels.iter();
-    let kept = Kept {
+    let kept = KeptState {
         theme: Some(state.appearance.theme),
         scale: Some(neat(state.appearance.scale.factor())),
         window: state.layout.windows.main,
@@ -200,7 +200,7 @@ pub fn to_text(state: &UiState, tool: &ToolState, window: &WindowOptions) -> Str
 
 /// Restores the state of the interface from a text.
 pub fn recall(text: &str, state: &mut UiState, tool: &mut ToolState, window: &WindowOptions) {
-    let kept: Kept = match toml::from_str(text) {
+    let kept: KeptState = match toml::from_str(text) {
         Ok(kept) => kept,
         Err(error) => {
             tracing::warn!("the remembered state cannot be read: {error}");
@@ -275,7 +275,7 @@ pub fn recall(text: &str, state: &mut UiState, tool: &mut ToolState, window: &Wi
 
 /// Returns the remembered answers about up axes.
 pub fn upright(text: &str) -> Upright {
-    let kept: Kept = toml::from_str(text).unwrap_or_default();
+    let kept: KeptState = toml::from_str(text).unwrap_or_default();
     kept.upright.as_ref().map(Upright::from_texts).unwrap_or_default()
 }
 

@@ -8,7 +8,7 @@ use crate::input::Action;
 use crate::tools::brush::BrushId;
 use crate::tools::brush::keys::{RADIUS, STEADY};
 use crate::tools::brush::options::BrushOptions;
-use crate::tools::brush::param::{Choice, Domain, Param, Unit, Value};
+use crate::tools::brush::param::{Choice, Domain, OptionValue, Param, Unit};
 use crate::ui::context::UiContext;
 use crate::ui::request::UiRequest;
 use crate::ui::widgets::buttons::explain;
@@ -37,9 +37,9 @@ pub fn show(ui: &mut Ui, brush: BrushId, context: &UiContext, requests: &mut Vec
         }
     });
     for (param, value) in shown() {
-        if let Value::On(mut on) = value {
+        if let OptionValue::On(mut on) = value {
             ui.checkbox(&mut on, param.label).on_hover_text(param.help);
-            options.set_value(param.key, Value::On(on));
+            options.set_value(param.key, OptionValue::On(on));
         }
     }
     if ui.button("Reset options").clicked() {
@@ -60,18 +60,18 @@ pub fn show(ui: &mut Ui, brush: BrushId, context: &UiContext, requests: &mut Vec
 }
 
 /// Shows the row of an option. Returns its new value.
-fn row(ui: &mut Ui, param: &Param, value: Value, in_unit: SizeUnit) -> Value {
+fn row(ui: &mut Ui, param: &Param, value: OptionValue, in_unit: SizeUnit) -> OptionValue {
     let label = ui.label(param.label);
     match (param.domain, value) {
-        (Domain::Choice(choices), Value::Choice(place)) => {
-            Value::Choice(choice(ui, choices, place))
+        (Domain::Choice(choices), OptionValue::Choice(place)) => {
+            OptionValue::Choice(choice(ui, choices, place))
         }
-        (Domain::Whole([least, most]), Value::Whole(mut count)) => {
+        (Domain::Whole([least, most]), OptionValue::Whole(mut count)) => {
             let slider = Slider::new(&mut count, least..=most);
             ui.add(slider).labelled_by(label.id).on_hover_text(param.help);
-            Value::Whole(count)
+            OptionValue::Whole(count)
         }
-        (domain, Value::Number(number)) => {
+        (domain, OptionValue::Number(number)) => {
             let (range, hint) = match (domain, in_unit) {
                 (Domain::Number([least, most]), _) => (least..=most, param.help),
                 (_, SizeUnit::Screen) => {
@@ -99,7 +99,7 @@ fn row(ui: &mut Ui, param: &Param, value: Value, in_unit: SizeUnit) -> Value {
             if param.key == STEADY.param.key {
                 spot::mark(&response, Spot::Steady);
             }
-            Value::Number(if response.changed() { shown / factor } else { number })
+            OptionValue::Number(if response.changed() { shown / factor } else { number })
         }
         _ => value,
     }

@@ -142,7 +142,7 @@ fn contents(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
             }
         });
     }
-    let keys = context.shortcut(Action::MoveContents(crate::input::Step::Left));
+    let keys = context.shortcut(Action::MoveContents(crate::input::ScreenDirection::Left));
     if let Some(keys) = keys {
         ui.weak(format!("{keys} etc. to move"));
     }

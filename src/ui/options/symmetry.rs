@@ -6,7 +6,7 @@ use egui::{DragValue, Ui};
 use glam::Vec3;
 
 use crate::command::Command;
-use crate::editor::symmetry::{FIRST_COUNT, Placed};
+use crate::editor::symmetry::{FIRST_COUNT, SymmetryPart};
 use crate::editor::tool::{NextPress, ToolEdit};
 use crate::input::{Action, Axis};
 use crate::tools::symmetry::{MAX_IMAGES, MirrorPlane, Parity, Radial, Symmetry};
@@ -57,7 +57,7 @@ fn plane(ui: &mut Ui, context: &UiContext, symmetry: &mut Symmetry, requests: &m
             true => "Pull the trigger: the plane lies across your hand until you let go",
             false => "The next press on the surface puts the plane there, along the line of sight and upright in the picture",
         };
-        place(ui, context, "Place plane", Placed::Plane, help, requests);
+        place(ui, context, "Place plane", SymmetryPart::Plane, help, requests);
     });
     if let Some(MirrorPlane { at_vx, normal }) = &mut symmetry.plane {
         point(ui, "At", at_vx, "A point of the plane, in voxels");
@@ -91,7 +91,7 @@ fn radial(
                 "The next press on the surface puts the axis there, pointing out of the surface"
             }
         };
-        place(ui, context, "Place axis", Placed::Axis, help, requests);
+        place(ui, context, "Place axis", SymmetryPart::Axis, help, requests);
     });
     if let Some(Radial { at_vx, axis, .. }) = &mut symmetry.radial {
         point(ui, "Through", at_vx, "A point of the axis, in voxels");
@@ -108,7 +108,7 @@ fn place(
     ui: &mut Ui,
     context: &UiContext,
     name: &str,
-    what: Placed,
+    what: SymmetryPart,
     help: &str,
     requests: &mut Vec<UiRequest>,
 ) {

@@ -12,7 +12,7 @@ use crate::ui::widgets::icons::at;
 type Points = Vec<(f32, f32)>;
 
 /// A line of a picture.
-enum Line {
+enum IconLine {
     /// The surface afterwards.
     Bold(Points),
     /// The surface before, and shading.
@@ -30,31 +30,31 @@ pub fn draw(painter: &Painter, rect: Rect, brush: BrushId, colour: Color32) {
     let bold = Stroke::new(1.6, colour);
     for line in lines(brush) {
         painter.add(match line {
-            Line::Bold(points) => Shape::line(places(points), bold),
-            Line::Thin(points) => {
+            IconLine::Bold(points) => Shape::line(places(points), bold),
+            IconLine::Thin(points) => {
                 Shape::line(places(points), Stroke::new(1.0, colour.gamma_multiply(0.6)))
             }
-            Line::Thick(points) => Shape::line(places(points), Stroke::new(2.4, colour)),
-            Line::Filled(points) => {
+            IconLine::Thick(points) => Shape::line(places(points), Stroke::new(2.4, colour)),
+            IconLine::Filled(points) => {
                 Shape::convex_polygon(places(points), colour.gamma_multiply(0.3), bold)
             }
         });
     }
 }
 
-fn bold(points: &[(f32, f32)]) -> Line {
-    Line::Bold(points.to_vec())
+fn bold(points: &[(f32, f32)]) -> IconLine {
+    IconLine::Bold(points.to_vec())
 }
 
-fn thin(points: &[(f32, f32)]) -> Line {
-    Line::Thin(points.to_vec())
+fn thin(points: &[(f32, f32)]) -> IconLine {
+    IconLine::Thin(points.to_vec())
 }
 
 /// Returns the ground with something in its middle.
-fn ground(y: f32, middle: impl IntoIterator<Item = (f32, f32)>) -> Line {
+fn ground(y: f32, middle: impl IntoIterator<Item = (f32, f32)>) -> IconLine {
     let ends = [(0.02, y), (0.98, y)];
     let points = std::iter::once(ends[0]).chain(middle).chain(std::iter::once(ends[1]));
-    Line::Bold(points.collect())
+    IconLine::Bold(points.collect())
 }
 
 /// Returns half an ellipse around the middle of the ground, upwards with a negative height.
@@ -73,11 +73,17 @@ fn drawn_out(i: usize, base: f32) -> (f32, f32) {
 }
 
 #[expect(clippy::too_many_lines, reason = "a table")]
-fn lines(brush: BrushId) -> Vec<Line> {
+fn lines(brush: BrushId) -> Vec<IconLine> {
     match brush {
         BrushId::Paint => vec![
-            Line::Thick(vec![(0.92, 0.06), (0.46, 0.56)]),
-            Line::Filled(vec![(0.56, 0.62), (0.38, 0.48), (0.22, 0.62), (0.1, 0.94), (0.42, 0.84)]),
+            IconLine::Thick(vec![(0.92, 0.06), (0.46, 0.56)]),
+            IconLine::Filled(vec![
+                (0.56, 0.62),
+                (0.38, 0.48),
+                (0.22, 0.62),
+                (0.1, 0.94),
+                (0.42, 0.84),
+            ]),
         ],
         BrushId::Devour => vec![ground(0.62, bow(0.62, 0.28, 0.28))],
         BrushId::Clay => vec![ground(0.62, bow(0.62, 0.28, -0.28))],
@@ -167,7 +173,7 @@ fn lines(brush: BrushId) -> Vec<Line> {
                 (0.5 + 0.38 * cos, 0.5 + 0.38 * sin)
             };
             vec![
-                Line::Bold((0..=16).map(round).collect()),
+                IconLine::Bold((0..=16).map(round).collect()),
                 bold(&[(0.72, 0.02), (0.74, 0.2), (0.56, 0.26)]),
                 thin(&[(0.5, 0.42), (0.5, 0.58)]),
             ]

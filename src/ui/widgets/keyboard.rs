@@ -34,7 +34,7 @@ pub enum Cap {
 }
 
 /// A key and its width in letter keys.
-type Row = &'static [(Cap, f32)];
+type KeyRow = &'static [(Cap, f32)];
 
 const fn letter(small: char) -> (Cap, f32) {
     (Cap::Char(small, small.to_ascii_uppercase()), 1.0)
@@ -44,7 +44,7 @@ const fn sign(plain: char, shifted: char) -> (Cap, f32) {
     (Cap::Char(plain, shifted), 1.0)
 }
 
-static ROWS: [Row; 5] = [
+static ROWS: [KeyRow; 5] = [
     &[
         sign('1', '!'),
         sign('2', '@'),

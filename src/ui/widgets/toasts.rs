@@ -86,9 +86,11 @@ impl Toasts {
 
         let usual = 48.0 * self.list.len() as f32;
         let height = ctx.memory(|memory| memory.area_rect(id)).map_or(usual, |rect| rect.height());
-        let own =
-            Room { within: within.shrink(MARGIN), width: WIDTH.min(within.width() - 2.0 * MARGIN) };
-        let rooms = [own, Room { within: ctx.content_rect().shrink(MARGIN), width: NARROW }];
+        let own = ToastArea {
+            within: within.shrink(MARGIN),
+            width: WIDTH.min(within.width() - 2.0 * MARGIN),
+        };
+        let rooms = [own, ToastArea { within: ctx.content_rect().shrink(MARGIN), width: NARROW }];
         let place = free_place(height, &rooms, &windows(ctx, id));
         let (align, room) = place.unwrap_or((PLACES[0], own));
         let mut dismissed = None;
@@ -150,15 +152,15 @@ fn windows(ctx: &Context, own: Id) -> Vec<Rect> {
 
 /// An area for messages, and their width.
 #[derive(Clone, Copy)]
-struct Room {
+struct ToastArea {
     within: Rect,
     width: f32,
 }
 
 /// Returns the first free place for something of `height` at the edges of the rooms.
-fn free_place(height: f32, rooms: &[Room], windows: &[Rect]) -> Option<(Align2, Room)> {
+fn free_place(height: f32, rooms: &[ToastArea], windows: &[Rect]) -> Option<(Align2, ToastArea)> {
     let places = rooms.iter().flat_map(|room| PLACES.map(|align| (align, *room)));
-    places.into_iter().find(|(align, Room { within, width })| {
+    places.into_iter().find(|(align, ToastArea { within, width })| {
         let rect = align.anchor_size(align.pos_in_rect(within), egui::vec2(*width, height));
         windows.iter().all(|window| !window.intersects(rect))
     })

@@ -79,10 +79,10 @@ fn clip(text: &str) -> String {
 
 /// Separates the bytes of a body from the framing of its chunks.
 #[derive(Clone, Debug)]
-pub struct Body(Place);
+pub struct BodyDecoder(BodyDecoderState);
 
 #[derive(Clone, PartialEq, Eq, Debug)]
-enum Place {
+enum BodyDecoderState {
     /// Not chunked: every byte is body.
     Plain,
     /// In the line before a chunk.
@@ -97,8 +97,8 @@ enum Place {
 
 /// The kind of the next bytes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Span {
-    /// This many bytes belong to the body. Call [`Body::took`] with the number of used ones.
+pub enum BodySpan {
+    /// This many bytes belong to the body. Call [`BodyDecoder::took`] with the number of used ones.
     Body(usize),
     /// This many bytes are framing and used up.
     Frame(usize),
@@ -106,39 +106,43 @@ pub enum Span {
     End,
 }
 
-impl Body {
-    pub fn new(chunked: bool) -> Body {
-        Body(if chunked { Place::Size { line: Vec::new() } } else { Place::Plain })
+impl BodyDecoder {
+    pub fn new(chunked: bool) -> BodyDecoder {
+        BodyDecoder(if chunked {
+            BodyDecoderState::Size { line: Vec::new() }
+        } else {
+            BodyDecoderState::Plain
+        })
     }
 
     /// Counts bytes of the body as used.
     pub fn took(&mut self, n: usize) {
-        if let Place::Chunk { left } = &mut self.0 {
+        if let BodyDecoderState::Chunk { left } = &mut self.0 {
             *left = left.saturating_sub(n as u64);
             if *left == 0 {
-                self.0 = Place::ChunkEnd;
+                self.0 = BodyDecoderState::ChunkEnd;
             }
         }
     }
 
     /// Classifies the beginning of `bytes`, which must not be empty.
-    pub fn next(&mut self, bytes: &[u8], subject: &str) -> Result<Span, VideoError> {
+    pub fn next(&mut self, bytes: &[u8], subject: &str) -> Result<BodySpan, VideoError> {
         let malformed = |problem| Err(VideoError::malformed(subject, problem));
         match &mut self.0 {
-            Place::Plain => Ok(Span::Body(bytes.len())),
-            Place::Over => Ok(Span::End),
-            Place::Chunk { left } => {
-                Ok(Span::Body(usize::try_from(*left).unwrap_or(usize::MAX).min(bytes.len())))
+            BodyDecoderState::Plain => Ok(BodySpan::Body(bytes.len())),
+            BodyDecoderState::Over => Ok(BodySpan::End),
+            BodyDecoderState::Chunk { left } => {
+                Ok(BodySpan::Body(usize::try_from(*left).unwrap_or(usize::MAX).min(bytes.len())))
             }
-            Place::ChunkEnd => {
+            BodyDecoderState::ChunkEnd => {
                 match bytes[0] {
                     b'\r' => {}
-                    b'\n' => self.0 = Place::Size { line: Vec::new() },
+                    b'\n' => self.0 = BodyDecoderState::Size { line: Vec::new() },
                     _ => return malformed("a chunk longer than it says"),
                 }
-                Ok(Span::Frame(1))
+                Ok(BodySpan::Frame(1))
             }
-            Place::Size { line } => {
+            BodyDecoderState::Size { line } => {
                 let end = bytes.iter().position(|&b| b == b'\n');
                 let n = end.map_or(bytes.len(), |end| end + 1);
                 line.extend_from_slice(&bytes[..n]);
@@ -149,12 +153,14 @@ impl Body {
                     let text = String::from_utf8_lossy(line);
                     let digits = text.split(';').next().unwrap_or_default().trim();
                     match u64::from_str_radix(digits, 16) {
-                        Ok(0) => self.0 = Place::Over,
-                        Ok(left) if !digits.starts_with('+') => self.0 = Place::Chunk { left },
+                        Ok(0) => self.0 = BodyDecoderState::Over,
+                        Ok(left) if !digits.starts_with('+') => {
+                            self.0 = BodyDecoderState::Chunk { left }
+                        }
                         _ => return malformed("a chunk without a size"),
                     }
                 }
-                Ok(Span::Frame(n))
+                Ok(BodySpan::Frame(n))
             }
         }
     }
@@ -166,13 +172,13 @@ mod tests {
     use proptest::prelude::*;
 
     fn body_of(bytes: &[u8], step: usize) -> Result<(Vec<u8>, bool), VideoError> {
-        let (mut body, mut out) = (Body::new(true), Vec::new());
+        let (mut body, mut out) = (BodyDecoder::new(true), Vec::new());
         for mut piece in bytes.chunks(step) {
             while !piece.is_empty() {
                 match body.next(piece, "x")? {
-                    Span::End => return Ok((out, true)),
-                    Span::Frame(n) => piece = &piece[n..],
-                    Span::Body(n) => {
+                    BodySpan::End => return Ok((out, true)),
+                    BodySpan::Frame(n) => piece = &piece[n..],
+                    BodySpan::Body(n) => {
                         // Like a splitter that finds a picture's end in the middle.
                         let n = n.div_ceil(2);
                         out.extend_from_slice(&piece[..n]);
@@ -182,7 +188,7 @@ mod tests {
                 }
             }
         }
-        Ok((out, body.0 == Place::Over))
+        Ok((out, body.0 == BodyDecoderState::Over))
     }
 
     #[test]

@@ -17,7 +17,7 @@ use super::error::VideoError;
 use super::frame::{MAX_COMPRESSED_BYTES, VideoFrame};
 use super::jpeg::{self, Splitter};
 use super::reader::{Decoded, FETCH_WAIT, Fetched, OwnerWatch, Reader};
-use body::{Body, MAX_HEAD, ResponseHead, Span};
+use body::{BodyDecoder, BodySpan, MAX_HEAD, ResponseHead};
 
 pub use url::Url;
 
@@ -32,7 +32,7 @@ pub struct HttpCamera {
     stream: TcpStream,
     subject: String,
     opened: Instant,
-    body: Body,
+    body: BodyDecoder,
     splitter: Splitter,
     /// Bytes read and not yet used: `buffer[used..filled]`.
     buffer: Vec<u8>,
@@ -88,7 +88,7 @@ impl HttpCamera {
             stream,
             subject,
             opened: Instant::now(),
-            body: Body::new(head.chunked),
+            body: BodyDecoder::new(head.chunked),
             splitter: Splitter::new(),
             buffer,
             used,
@@ -102,9 +102,9 @@ impl HttpCamera {
         while self.used < self.filled {
             let bytes = &self.buffer[self.used..self.filled];
             match self.body.next(bytes, &self.subject)? {
-                Span::End => return Err(closed(&self.subject)),
-                Span::Frame(n) => self.used += n,
-                Span::Body(n) => {
+                BodySpan::End => return Err(closed(&self.subject)),
+                BodySpan::Frame(n) => self.used += n,
+                BodySpan::Body(n) => {
                     let (n, whole) = self.splitter.feed(&bytes[..n]);
                     self.body.took(n);
                     self.used += n;

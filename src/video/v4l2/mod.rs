@@ -13,7 +13,7 @@ use linuxvideo::stream::ReadStream;
 use linuxvideo::{BufTypes, Device, Fract};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
-use self::modes::{Coding, DEFAULT_SIZE, choose, coding_of, modes_of, offered};
+use self::modes::{DEFAULT_SIZE, FrameEncoding, choose, coding_of, modes_of, offered};
 use super::address::CameraAddress;
 use super::colour::{Colour, Range};
 use super::error::VideoError;
@@ -21,7 +21,7 @@ use super::frame::{VideoFrame, check_size};
 use super::jpeg::{self, Splitter};
 use super::rate::Rate;
 use super::reader::{Decoded, FETCH_WAIT, Fetched, Reader};
-use super::yuv::{Layout, LineBuffers, Planes, to_rgba};
+use super::yuv::{LineBuffers, YuvLayout, YuvPicture, to_rgba};
 
 pub use self::modes::{CameraInfo, CameraMode, cameras};
 
@@ -29,7 +29,7 @@ pub use self::modes::{CameraInfo, CameraMode, cameras};
 pub struct V4l2Camera {
     stream: ReadStream,
     subject: String,
-    coding: Coding,
+    coding: FrameEncoding,
     width: u32,
     height: u32,
     stride: usize,
@@ -76,10 +76,10 @@ impl V4l2Camera {
             return Err(VideoError::unsupported(subject, problem));
         };
         let stride = match coding {
-            Coding::Raw(layout) => {
+            FrameEncoding::Raw(layout) => {
                 (got.bytes_per_line() as usize).max(layout.least_stride(width as usize))
             }
-            Coding::Jpeg => 0,
+            FrameEncoding::Jpeg => 0,
         };
         let name = got.pixel_format();
         tracing::info!("{subject}: {width} x {height} {name}, {} a second", mode.per_second);
@@ -115,10 +115,10 @@ impl V4l2Camera {
 }
 
 /// Returns the default colours of a camera: those of grey cameras come straight from the sensor, in full range.
-fn said_colour(coding: Coding) -> Colour {
+fn said_colour(coding: FrameEncoding) -> Colour {
     match coding {
-        Coding::Raw(Layout::Grey) => Colour { range: Range::Full, ..Colour::DEFAULT },
-        Coding::Raw(_) | Coding::Jpeg => Colour::DEFAULT,
+        FrameEncoding::Raw(YuvLayout::Grey) => Colour { range: Range::Full, ..Colour::DEFAULT },
+        FrameEncoding::Raw(_) | FrameEncoding::Jpeg => Colour::DEFAULT,
     }
 }
 
@@ -154,17 +154,17 @@ impl Reader for V4l2Camera {
             return broken("the driver reports a damaged picture".into());
         }
         match self.coding {
-            Coding::Raw(layout) => {
+            FrameEncoding::Raw(layout) => {
                 frame.shape(self.width, self.height, &self.subject)?;
                 let (width, height) = (self.width as usize, self.height as usize);
                 let planes =
-                    Planes { layout, width, height, stride: self.stride, data: &self.bytes };
+                    YuvPicture { layout, width, height, stride: self.stride, data: &self.bytes };
                 match to_rgba(planes, self.colour, &mut self.lines, &mut frame.pixels) {
                     Ok(()) => Ok(Decoded::Whole),
                     Err(problem) => broken(problem),
                 }
             }
-            Coding::Jpeg => {
+            FrameEncoding::Jpeg => {
                 self.splitter.reset();
                 let (_, whole) = self.splitter.feed(&self.bytes);
                 if !whole {

@@ -8,31 +8,31 @@ use linuxvideo::{BufType, BufTypes, Device, Fract};
 
 use crate::video::error::{VideoError, guarded};
 use crate::video::rate::Rate;
-use crate::video::yuv::Layout;
+use crate::video::yuv::YuvLayout;
 
 /// The requested size if the address has no options.
 pub(super) const DEFAULT_SIZE: (u32, u32) = (1280, 720);
 
 /// The encoding of a picture.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Coding {
-    Raw(Layout),
+pub(super) enum FrameEncoding {
+    Raw(YuvLayout),
     Jpeg,
 }
 
 /// The supported formats, best first: fewer bytes, then less to decode.
-const FORMATS: [([u8; 4], Coding); 7] = [
-    (*b"NV12", Coding::Raw(Layout::Nv12)),
-    (*b"YU12", Coding::Raw(Layout::Planar { across: 1, down: 1 })),
-    (*b"YUYV", Coding::Raw(Layout::Yuyv)),
-    (*b"UYVY", Coding::Raw(Layout::Uyvy)),
-    (*b"MJPG", Coding::Jpeg),
-    (*b"JPEG", Coding::Jpeg),
-    (*b"GREY", Coding::Raw(Layout::Grey)),
+const FORMATS: [([u8; 4], FrameEncoding); 7] = [
+    (*b"NV12", FrameEncoding::Raw(YuvLayout::Nv12)),
+    (*b"YU12", FrameEncoding::Raw(YuvLayout::Planar { across: 1, down: 1 })),
+    (*b"YUYV", FrameEncoding::Raw(YuvLayout::Yuyv)),
+    (*b"UYVY", FrameEncoding::Raw(YuvLayout::Uyvy)),
+    (*b"MJPG", FrameEncoding::Jpeg),
+    (*b"JPEG", FrameEncoding::Jpeg),
+    (*b"GREY", FrameEncoding::Raw(YuvLayout::Grey)),
 ];
 
 /// Returns the encoding of a format; `None` if it is not supported.
-pub(super) fn coding_of(format: PixelFormat) -> Option<Coding> {
+pub(super) fn coding_of(format: PixelFormat) -> Option<FrameEncoding> {
     FORMATS.iter().find(|(code, _)| *code == format.as_fourcc()).map(|(_, coding)| *coding)
 }
 

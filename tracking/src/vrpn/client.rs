@@ -151,7 +151,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 /// An open connection to the server.
-struct Link {
+struct ServerConnection {
     tcp: TcpStream,
     /// The local end of the low-latency channel, in UDP mode.
     udp: Option<UdpSocket>,
@@ -210,13 +210,13 @@ impl SharedClient {
         if found.is_empty() { Err(ErrorKind::AddrNotAvailable.into()) } else { Ok(found) }
     }
 
-    fn open_tcp(&self) -> io::Result<Link> {
+    fn open_tcp(&self) -> io::Result<ServerConnection> {
         let mut failure = io::Error::from(ErrorKind::AddrNotAvailable);
         for address in self.resolve()? {
             match TcpStream::connect_timeout(&address, self.timing.greeting_timeout) {
                 // If no server listens at an ephemeral port, TCP can connect to itself.
                 Ok(tcp) if tcp.local_addr()? == tcp.peer_addr()? => {}
-                Ok(tcp) => return Ok(Link { tcp, udp: None }),
+                Ok(tcp) => return Ok(ServerConnection { tcp, udp: None }),
                 Err(error) => failure = error,
             }
         }
@@ -224,7 +224,7 @@ impl SharedClient {
     }
 
     /// Asks the server to connect back, repeatedly until it does.
-    fn open_udp(&self) -> io::Result<Link> {
+    fn open_udp(&self) -> io::Result<ServerConnection> {
         let server = self.resolve()?.into_iter().find(SocketAddr::is_ipv4).ok_or_else(|| {
             io::Error::new(ErrorKind::AddrNotAvailable, "the UDP mode of VRPN needs IPv4")
         })?;
@@ -247,7 +247,7 @@ impl SharedClient {
                 Ok((tcp, from)) if from.ip() == server.ip() => {
                     tcp.set_nonblocking(false)?;
                     let udp = UdpSocket::bind((our_ip, 0))?;
-                    return Ok(Link { tcp, udp: Some(udp) });
+                    return Ok(ServerConnection { tcp, udp: Some(udp) });
                 }
                 Ok(_) => lock(&self.session).counters.strangers += 1,
                 Err(error) if is_pause(&error) => thread::park_timeout(TICK / 10),
@@ -258,7 +258,7 @@ impl SharedClient {
     }
 
     /// Runs the conversation until the server leaves or violates the protocol, or the client is dropped.
-    fn converse(&self, link: &Link) -> io::Result<()> {
+    fn converse(&self, link: &ServerConnection) -> io::Result<()> {
         link.tcp.set_nodelay(true)?;
         link.tcp.set_read_timeout(Some(TICK))?;
         link.tcp.set_write_timeout(Some(self.timing.greeting_timeout))?;

@@ -17,7 +17,7 @@ const LATE_BYTES: usize = 64 * 1024;
 const LOST_BYTES: usize = 1024 * 1024;
 
 /// One client.
-pub(crate) struct Link {
+pub(crate) struct ClientLink {
     pub(super) tcp: TcpStream,
     /// The client's UDP address of its request for the connection, if it made one.
     pub(super) asked_from: Option<SocketAddr>,
@@ -38,7 +38,7 @@ pub(super) struct Outbox {
     pub(super) writer: Writer,
 }
 
-impl Link {
+impl ClientLink {
     pub(crate) fn is_closed(&self) -> bool {
         self.closed.load(Ordering::Relaxed)
     }

@@ -21,22 +21,22 @@ const TEXT_ROOM_BYTES: usize = 1024;
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Error)]
 pub enum MessageError {
     #[error("{0:?} with a payload of {1} bytes")]
-    Length(Kind, usize),
+    Length(MessageKind, usize),
     #[error("{0:?} with a number that is not finite")]
-    NotFinite(Kind),
+    NotFinite(MessageKind),
     #[error("{0:?} with an index or count that cannot be")]
-    Index(Kind),
+    Index(MessageKind),
 }
 
 macro_rules! kinds {
     ($($kind:ident = $name:literal,)*) => {
         /// The supported message types.
         #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-        pub enum Kind {
+        pub enum MessageKind {
             $(#[doc = concat!("`", $name, "`")] $kind,)*
         }
 
-        impl Kind {
+        impl MessageKind {
             pub const ALL: &[Self] = &[$(Self::$kind,)*];
 
             /// Returns the name by which peers agree on the id of a type.
@@ -70,7 +70,7 @@ kinds! {
     Pong = "vrpn_Base pong_message",
 }
 
-impl Kind {
+impl MessageKind {
     pub fn of_name(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|kind| kind.name() == name)
     }
@@ -144,83 +144,83 @@ pub enum Message {
 }
 
 impl Message {
-    pub fn kind(&self) -> Kind {
+    pub fn kind(&self) -> MessageKind {
         match self {
-            Self::Pose { .. } => Kind::Pose,
-            Self::Velocity { .. } => Kind::Velocity,
-            Self::Acceleration { .. } => Kind::Acceleration,
-            Self::ToRoom { .. } => Kind::ToRoom,
-            Self::UnitToSensor { .. } => Kind::UnitToSensor,
-            Self::Workspace { .. } => Kind::Workspace,
-            Self::RequestToRoom => Kind::RequestToRoom,
-            Self::RequestUnitToSensor => Kind::RequestUnitToSensor,
-            Self::RequestWorkspace => Kind::RequestWorkspace,
-            Self::SetUpdateRate { .. } => Kind::SetUpdateRate,
-            Self::ResetOrigin => Kind::ResetOrigin,
-            Self::ButtonChange { .. } => Kind::ButtonChange,
-            Self::ButtonStates(_) => Kind::ButtonStates,
-            Self::Analog(_) => Kind::Analog,
-            Self::Dial { .. } => Kind::Dial,
-            Self::Text { .. } => Kind::Text,
-            Self::Ping => Kind::Ping,
-            Self::Pong => Kind::Pong,
+            Self::Pose { .. } => MessageKind::Pose,
+            Self::Velocity { .. } => MessageKind::Velocity,
+            Self::Acceleration { .. } => MessageKind::Acceleration,
+            Self::ToRoom { .. } => MessageKind::ToRoom,
+            Self::UnitToSensor { .. } => MessageKind::UnitToSensor,
+            Self::Workspace { .. } => MessageKind::Workspace,
+            Self::RequestToRoom => MessageKind::RequestToRoom,
+            Self::RequestUnitToSensor => MessageKind::RequestUnitToSensor,
+            Self::RequestWorkspace => MessageKind::RequestWorkspace,
+            Self::SetUpdateRate { .. } => MessageKind::SetUpdateRate,
+            Self::ResetOrigin => MessageKind::ResetOrigin,
+            Self::ButtonChange { .. } => MessageKind::ButtonChange,
+            Self::ButtonStates(_) => MessageKind::ButtonStates,
+            Self::Analog(_) => MessageKind::Analog,
+            Self::Dial { .. } => MessageKind::Dial,
+            Self::Text { .. } => MessageKind::Text,
+            Self::Ping => MessageKind::Ping,
+            Self::Pong => MessageKind::Pong,
         }
     }
 
     /// Decodes a payload of `kind`.
-    pub fn decode(kind: Kind, payload: &[u8]) -> Result<Self, MessageError> {
+    pub fn decode(kind: MessageKind, payload: &[u8]) -> Result<Self, MessageError> {
         let mut r = PayloadReader { kind, rest: payload, length: payload.len() };
         let message = match kind {
-            Kind::Pose => {
+            MessageKind::Pose => {
                 let sensor = r.sensor()?;
                 Self::Pose { sensor, position_m: r.vec3()?, quat: r.quat()? }
             }
-            Kind::UnitToSensor => {
+            MessageKind::UnitToSensor => {
                 let sensor = r.sensor()?;
                 Self::UnitToSensor { sensor, position_m: r.vec3()?, quat: r.quat()? }
             }
-            Kind::Velocity => {
+            MessageKind::Velocity => {
                 let sensor = r.sensor()?;
                 let (linear, quat) = (r.vec3()?, r.quat()?);
                 Self::Velocity { sensor, linear, quat, dt_s: r.f64()? }
             }
-            Kind::Acceleration => {
+            MessageKind::Acceleration => {
                 let sensor = r.sensor()?;
                 let (linear, quat) = (r.vec3()?, r.quat()?);
                 Self::Acceleration { sensor, linear, quat, dt_s: r.f64()? }
             }
-            Kind::ToRoom => Self::ToRoom { position_m: r.vec3()?, quat: r.quat()? },
-            Kind::Workspace => Self::Workspace { min_m: r.vec3()?, max_m: r.vec3()? },
-            Kind::SetUpdateRate => Self::SetUpdateRate { rate_hz: r.f64()? },
-            Kind::ButtonChange => {
+            MessageKind::ToRoom => Self::ToRoom { position_m: r.vec3()?, quat: r.quat()? },
+            MessageKind::Workspace => Self::Workspace { min_m: r.vec3()?, max_m: r.vec3()? },
+            MessageKind::SetUpdateRate => Self::SetUpdateRate { rate_hz: r.f64()? },
+            MessageKind::ButtonChange => {
                 let button = r.index(MAX_BUTTONS as u32)?;
                 Self::ButtonChange { button, pressed: r.u32()? != 0 }
             }
-            Kind::ButtonStates => {
+            MessageKind::ButtonStates => {
                 let count = r.index(MAX_BUTTONS as u32 + 1)?;
                 Self::ButtonStates((0..count).map(|_| Ok(r.u32()? != 0)).collect::<Result<_, _>>()?)
             }
-            Kind::Analog => {
+            MessageKind::Analog => {
                 let count = r.f64()?;
                 if count.fract() != 0.0 || !(0.0..=MAX_CHANNELS as f64).contains(&count) {
                     return Err(MessageError::Index(kind));
                 }
                 Self::Analog((0..count as usize).map(|_| r.f64()).collect::<Result<_, _>>()?)
             }
-            Kind::Dial => {
+            MessageKind::Dial => {
                 let revolutions = r.f64()?;
                 Self::Dial { revolutions, dial: r.index(MAX_DIALS)? }
             }
-            Kind::Text => {
+            MessageKind::Text => {
                 let (severity, level) = (r.u32()?, r.u32()?);
                 Self::Text { severity, level, text: r.text()? }
             }
-            Kind::RequestToRoom => Self::RequestToRoom,
-            Kind::RequestUnitToSensor => Self::RequestUnitToSensor,
-            Kind::RequestWorkspace => Self::RequestWorkspace,
-            Kind::ResetOrigin => Self::ResetOrigin,
-            Kind::Ping => Self::Ping,
-            Kind::Pong => Self::Pong,
+            MessageKind::RequestToRoom => Self::RequestToRoom,
+            MessageKind::RequestUnitToSensor => Self::RequestUnitToSensor,
+            MessageKind::RequestWorkspace => Self::RequestWorkspace,
+            MessageKind::ResetOrigin => Self::ResetOrigin,
+            MessageKind::Ping => Self::Ping,
+            MessageKind::Pong => Self::Pong,
         };
         if r.rest.is_empty() { Ok(message) } else { Err(r.bad_length()) }
     }
@@ -303,7 +303,7 @@ fn write_placement(out: &mut Vec<u8>, position: DVec3, quat: DQuat) {
 
 /// Reads a payload from its start; every read is checked.
 struct PayloadReader<'a> {
-    kind: Kind,
+    kind: MessageKind,
     rest: &'a [u8],
     length: usize,
 }

@@ -66,7 +66,7 @@ proptest! {
     fn no_payload_of_another_length_passes(message in message(), cut in 1usize..8, more in 1usize..8) {
         let whole = message.encode();
         let kind = message.kind();
-        if kind != Kind::Text {
+        if kind != MessageKind::Text {
             if whole.len() >= cut {
                 prop_assert!(Message::decode(kind, &whole[..whole.len() - cut]).is_err());
             }
@@ -82,9 +82,15 @@ proptest! {
         let value = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY][bad];
         // Offsets of the first and last number of each kind.
         let (begin, end) = match message.kind() {
-            Kind::Pose | Kind::UnitToSensor | Kind::Velocity | Kind::Acceleration => (8, payload.len()),
-            Kind::ToRoom | Kind::Workspace | Kind::Analog | Kind::SetUpdateRate => (0, payload.len()),
-            Kind::Dial => (0, 8),
+            MessageKind::Pose
+            | MessageKind::UnitToSensor
+            | MessageKind::Velocity
+            | MessageKind::Acceleration => (8, payload.len()),
+            MessageKind::ToRoom
+            | MessageKind::Workspace
+            | MessageKind::Analog
+            | MessageKind::SetUpdateRate => (0, payload.len()),
+            MessageKind::Dial => (0, 8),
             _ => (0, 0),
         };
         if begin < end {
@@ -100,18 +106,21 @@ fn counts_and_indices_are_bounded() {
     let states = |count: u32, bytes: usize| {
         let mut payload = count.to_be_bytes().to_vec();
         payload.resize(4 + bytes, 0);
-        Message::decode(Kind::ButtonStates, &payload)
+        Message::decode(MessageKind::ButtonStates, &payload)
     };
     assert_eq!(states(2, 8), Ok(Message::ButtonStates(vec![false; 2])));
     assert!(states(3, 8).is_err() && states(257, 4 * 257).is_err() && states(u32::MAX, 8).is_err());
     for count in [129.0, -1.0, 0.5, 1.0e18] {
         let payload: Vec<u8> = f64::to_be_bytes(count).into_iter().chain([0; 1032]).collect();
-        assert_eq!(Message::decode(Kind::Analog, &payload), Err(MessageError::Index(Kind::Analog)));
+        assert_eq!(
+            Message::decode(MessageKind::Analog, &payload),
+            Err(MessageError::Index(MessageKind::Analog))
+        );
     }
     let change = |button: i32| {
         let mut payload = button.to_be_bytes().to_vec();
         payload.extend([0, 0, 0, 1]);
-        Message::decode(Kind::ButtonChange, &payload)
+        Message::decode(MessageKind::ButtonChange, &payload)
     };
     assert!(change(255).is_ok() && change(256).is_err() && change(-1).is_err());
     assert!(!Message::Analog(vec![0.0; 129]).is_sendable());
@@ -124,7 +133,7 @@ fn texts_short_long_and_torn() {
     let text = |bytes: &[u8]| {
         let mut payload = vec![0, 0, 0, 2, 0, 0, 0, 9];
         payload.extend_from_slice(bytes);
-        Message::decode(Kind::Text, &payload)
+        Message::decode(MessageKind::Text, &payload)
     };
     let of = |text: &str| Ok(Message::Text { severity: 2, level: 9, text: text.to_owned() });
     assert_eq!(text(b"\0"), of(""));
@@ -134,5 +143,5 @@ fn texts_short_long_and_torn() {
     assert!(text(&[b'a'; 5000]).is_err());
     let long = Message::Text { severity: 0, level: 0, text: "b".repeat(5000) }.encode();
     assert_eq!(long.len(), 1032);
-    assert!(Message::decode(Kind::Text, &long).is_ok());
+    assert!(Message::decode(MessageKind::Text, &long).is_ok());
 }

@@ -3,7 +3,7 @@
 
 use glam::{DQuat, DVec3};
 
-use crate::vrpn::messages::{Kind, Message};
+use crate::vrpn::messages::{Message, MessageKind};
 use crate::vrpn::wire::{
     Frame, IdTable, SENDER_DESCRIPTION, Stamp, TYPE_DESCRIPTION, UDP_DESCRIPTION, describe_name,
     described_name, write_frame,
@@ -44,7 +44,7 @@ impl Writer {
     pub fn message(&mut self, out: &mut Vec<u8>, stamp: Stamp, device: usize, message: &Message) {
         // Local ids are positions in the lists of the greeting.
         let kind = message.kind();
-        let id = Kind::ALL.iter().position(|k| *k == kind).map_or(-1, |index| index as i32);
+        let id = MessageKind::ALL.iter().position(|k| *k == kind).map_or(-1, |index| index as i32);
         self.frame(out, stamp, device as i32, id, &message.encode());
     }
 
@@ -64,7 +64,7 @@ impl Writer {
         for (id, device) in devices.iter().enumerate() {
             self.frame(out, stamp, id as i32, SENDER_DESCRIPTION, &describe_name(&device.name));
         }
-        for (id, kind) in Kind::ALL.iter().enumerate() {
+        for (id, kind) in MessageKind::ALL.iter().enumerate() {
             self.frame(out, stamp, id as i32, TYPE_DESCRIPTION, &describe_name(kind.name()));
         }
         for (id, device) in devices.iter().enumerate() {
@@ -79,7 +79,7 @@ impl Writer {
 #[derive(Default, Debug)]
 pub struct Peer {
     senders: IdTable<Option<usize>>,
-    kinds: IdTable<Option<Kind>>,
+    kinds: IdTable<Option<MessageKind>>,
     udp_port: Option<u16>,
     /// Messages dropped as broken.
     pub rejected: u64,
@@ -99,7 +99,7 @@ impl Peer {
                 peer.senders.describe(frame.sender, device)
             }),
             TYPE_DESCRIPTION => self.describe(frame, |peer, name| {
-                peer.kinds.describe(frame.sender, Kind::of_name(name))
+                peer.kinds.describe(frame.sender, MessageKind::of_name(name))
             }),
             // The host in the payload is not trusted: datagrams go to the peer of the stream.
             UDP_DESCRIPTION => match u16::try_from(frame.sender) {
@@ -175,8 +175,13 @@ mod tests {
         ask(&mut peer, 40, SENDER_DESCRIPTION, &describe_name("Wand0"));
         ask(&mut peer, 41, SENDER_DESCRIPTION, &describe_name("Head0"));
         ask(&mut peer, 42, SENDER_DESCRIPTION, &describe_name("Other"));
-        ask(&mut peer, 7, TYPE_DESCRIPTION, &describe_name(Kind::Ping.name()));
-        ask(&mut peer, 8, TYPE_DESCRIPTION, &describe_name(Kind::RequestUnitToSensor.name()));
+        ask(&mut peer, 7, TYPE_DESCRIPTION, &describe_name(MessageKind::Ping.name()));
+        ask(
+            &mut peer,
+            8,
+            TYPE_DESCRIPTION,
+            &describe_name(MessageKind::RequestUnitToSensor.name()),
+        );
         assert_eq!(
             ask(&mut peer, 40, 7, &[]),
             [(1, Message::Pong), (1, Message::ButtonStates(vec![false, true]))]
@@ -207,8 +212,8 @@ mod tests {
         Writer::default().greeting(&mut out, Some(("127.0.0.1", 5000)), &devices(), stamp);
         let kinds: Vec<i32> = datagram_frames(&out).map(|frame| frame.unwrap().kind).collect();
         let mut expected = vec![UDP_DESCRIPTION, SENDER_DESCRIPTION, SENDER_DESCRIPTION];
-        expected.extend(Kind::ALL.iter().map(|_| TYPE_DESCRIPTION));
-        let states = Kind::ALL.iter().position(|k| *k == Kind::ButtonStates).unwrap();
+        expected.extend(MessageKind::ALL.iter().map(|_| TYPE_DESCRIPTION));
+        let states = MessageKind::ALL.iter().position(|k| *k == MessageKind::ButtonStates).unwrap();
         expected.push(states as i32);
         assert_eq!(kinds, expected);
     }

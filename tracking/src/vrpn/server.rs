@@ -17,7 +17,7 @@ use crate::vrpn::address::DEFAULT_PORT;
 use crate::vrpn::messages::{MAX_BUTTONS, Message};
 use crate::vrpn::peer::{DeviceState, MAX_KNOWN_SENSORS};
 use crate::vrpn::server_link::{accept_streams, answer_requests};
-use crate::vrpn::server_state::{SharedServer, State, Tally};
+use crate::vrpn::server_state::{AtomicCounters, ServerState, SharedServer};
 use crate::vrpn::wire::{MAX_NAME_BYTES, Stamp};
 
 /// Address and limits.
@@ -101,8 +101,8 @@ impl Server {
         let shared = Arc::new(SharedServer {
             stop: AtomicBool::new(false),
             max_clients: options.max_clients,
-            tally: Tally::default(),
-            state: Mutex::new(State {
+            tally: AtomicCounters::default(),
+            state: Mutex::new(ServerState {
                 devices: devices
                     .iter()
                     .map(|device| DeviceState {
@@ -163,7 +163,7 @@ impl Server {
         stamp: Stamp,
     ) -> Result<(), PublishError> {
         let mut state = self.shared.state();
-        let State { devices, links, .. } = &mut *state;
+        let ServerState { devices, links, .. } = &mut *state;
         let Some((index, known)) =
             devices.iter_mut().enumerate().find(|(_, known)| known.name == device)
         else {

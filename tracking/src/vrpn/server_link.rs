@@ -9,7 +9,7 @@ use std::thread;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use crate::source::ANY_DATAGRAM_BYTES;
-use crate::vrpn::link::{Link, Outbox};
+use crate::vrpn::link::{ClientLink, Outbox};
 use crate::vrpn::peer::Peer;
 use crate::vrpn::server_state::SharedServer;
 use crate::vrpn::wire::{
@@ -119,7 +119,7 @@ fn serve_client(
         }
         None => None,
     };
-    let link = Arc::new(Link {
+    let link = Arc::new(ClientLink {
         peer_ip: tcp.peer_addr()?.ip(),
         tcp,
         asked_from,
@@ -137,7 +137,7 @@ fn serve_client(
 }
 
 /// Queues the greeting and adds the link to those that receive reports, atomically.
-fn greet(shared: &SharedServer, link: &Arc<Link>) -> io::Result<()> {
+fn greet(shared: &SharedServer, link: &Arc<ClientLink>) -> io::Result<()> {
     let udp_address = match &link.udp {
         Some(udp) => {
             let address = udp.local_addr()?;
@@ -184,7 +184,7 @@ fn reject(shared: &SharedServer, error: WireError) -> io::Error {
     io::Error::new(ErrorKind::InvalidData, error)
 }
 
-fn hear(shared: &SharedServer, link: &Link) -> io::Result<()> {
+fn hear(shared: &SharedServer, link: &ClientLink) -> io::Result<()> {
     let mut reader = StreamReader::default();
     let mut peer = Peer::default();
     let (mut bytes, mut datagram) = ([0; 4096], vec![0; ANY_DATAGRAM_BYTES]);
@@ -209,7 +209,7 @@ fn hear(shared: &SharedServer, link: &Link) -> io::Result<()> {
 /// Handles datagrams: a client may send urgent messages by UDP.
 fn hear_datagrams(
     shared: &SharedServer,
-    link: &Link,
+    link: &ClientLink,
     peer: &mut Peer,
     udp: &UdpSocket,
     bytes: &mut [u8],
@@ -230,7 +230,7 @@ fn hear_datagrams(
     }
 }
 
-fn answer(shared: &SharedServer, link: &Link, peer: &mut Peer, frame: &Frame<'_>) {
+fn answer(shared: &SharedServer, link: &ClientLink, peer: &mut Peer, frame: &Frame<'_>) {
     let before = peer.rejected;
     // Held until the answers are queued, so that changes cannot overtake button states.
     let state = shared.state();

@@ -6,12 +6,12 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
-use crate::vrpn::link::Link;
+use crate::vrpn::link::ClientLink;
 use crate::vrpn::peer::DeviceState;
 
 /// Counts of events since the start.
 #[derive(Default, Debug)]
-pub(crate) struct Tally {
+pub(crate) struct AtomicCounters {
     pub(crate) accepted: AtomicU64,
     pub(crate) refused: AtomicU64,
     pub(crate) rejected: AtomicU64,
@@ -22,13 +22,13 @@ pub(crate) struct Tally {
 pub(crate) struct SharedServer {
     pub(crate) stop: AtomicBool,
     pub(crate) max_clients: usize,
-    pub(crate) tally: Tally,
-    pub(crate) state: Mutex<State>,
+    pub(crate) tally: AtomicCounters,
+    pub(crate) state: Mutex<ServerState>,
 }
 
-pub(crate) struct State {
+pub(crate) struct ServerState {
     pub(crate) devices: Vec<DeviceState>,
-    pub(crate) links: Vec<Arc<Link>>,
+    pub(crate) links: Vec<Arc<ClientLink>>,
     pub(crate) threads: Vec<JoinHandle<()>>,
 }
 
@@ -37,7 +37,7 @@ impl SharedServer {
         self.stop.load(Ordering::Relaxed)
     }
 
-    pub(crate) fn state(&self) -> MutexGuard<'_, State> {
+    pub(crate) fn state(&self) -> MutexGuard<'_, ServerState> {
         // The data is consistent at all times, so a poisoned lock is usable.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }

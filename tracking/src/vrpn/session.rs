@@ -8,7 +8,7 @@ use glam::DQuat;
 use crate::event::{Event, Severity};
 use crate::pose::{HeadPose, Placement, Velocity, rotation_vector};
 use crate::source::Counters;
-use crate::vrpn::messages::{Kind, MAX_BUTTONS, Message, MessageError};
+use crate::vrpn::messages::{MAX_BUTTONS, Message, MessageError, MessageKind};
 use crate::vrpn::sender_clock::SenderClock;
 use crate::vrpn::wire::{
     Frame, IdTable, SENDER_DESCRIPTION, Stamp, TYPE_DESCRIPTION, UDP_DESCRIPTION, WireError,
@@ -30,7 +30,7 @@ struct Device {
 pub struct Session {
     devices: Vec<Device>,
     senders: IdTable<Option<usize>>,
-    kinds: IdTable<Option<Kind>>,
+    kinds: IdTable<Option<MessageKind>>,
     clock: SenderClock,
     heard_s: f64,
     sequence: u32,
@@ -76,7 +76,7 @@ impl Session {
             let payload = describe_name(&self.devices[index].name);
             self.write(&mut out, index as i32, SENDER_DESCRIPTION, &payload);
         }
-        for (id, kind) in Kind::ALL.iter().enumerate() {
+        for (id, kind) in MessageKind::ALL.iter().enumerate() {
             self.write(&mut out, id as i32, TYPE_DESCRIPTION, &describe_name(kind.name()));
         }
         out
@@ -87,7 +87,7 @@ impl Session {
         let mut out = Vec::new();
         for index in 0..self.devices.len() {
             if all || !self.devices[index].answered {
-                self.write(&mut out, index as i32, id_of(Kind::Ping), &[]);
+                self.write(&mut out, index as i32, id_of(MessageKind::Ping), &[]);
             }
         }
         out
@@ -183,7 +183,7 @@ impl Session {
                 self.senders.describe(frame.sender, device)
             }),
             TYPE_DESCRIPTION => described_name(frame.payload)
-                .is_some_and(|name| self.kinds.describe(frame.sender, Kind::of_name(name))),
+                .is_some_and(|name| self.kinds.describe(frame.sender, MessageKind::of_name(name))),
             // A client sends nothing by UDP, requests for logging are ignored, and the rest belongs to later
             // versions.
             _ => {
@@ -200,8 +200,8 @@ impl Session {
 }
 
 /// Returns the local id of a type.
-fn id_of(kind: Kind) -> i32 {
-    Kind::ALL.iter().position(|k| *k == kind).map_or(-1, |index| index as i32)
+fn id_of(kind: MessageKind) -> i32 {
+    MessageKind::ALL.iter().position(|k| *k == kind).map_or(-1, |index| index as i32)
 }
 
 impl Device {

@@ -6,7 +6,7 @@ use std::fmt;
 use super::arguments::Arguments;
 use super::{ParseError, QuotedPath, list, number, parse_colour, parse_vec3};
 use crate::tools::brush::footprint::{Coverage, Footprint, Outline};
-use crate::tools::brush::param::{Domain, Omitted, Param, Value};
+use crate::tools::brush::param::{Domain, Omitted, OptionValue, Param};
 use crate::tools::brush::spec::ContactKind;
 use crate::tools::brush::{BrushBall, BrushDirection, BrushId, BrushSurface, BrushUse, Contact};
 
@@ -163,22 +163,22 @@ fn write_surface(surface: BrushSurface, f: &mut fmt::Formatter<'_>) -> fmt::Resu
     }
 }
 
-fn write_value(param: &Param, value: Value, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+fn write_value(param: &Param, value: OptionValue, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     if param.omitted == Omitted::Unwritten(value) {
         return Ok(());
     }
     let key = param.key;
     match (value, param.domain) {
-        (Value::Absent, _) => Ok(()),
-        (Value::Number(number), _) => write!(f, " {key}={number}"),
-        (Value::Whole(count), _) => write!(f, " {key}={count}"),
-        (Value::On(on), _) => write!(f, " {key}={}", if on { "on" } else { "off" }),
-        (Value::Colour(colour), _) => write!(f, " {key}={colour}"),
-        (Value::Choice(place), Domain::Choice(choices)) => {
+        (OptionValue::Absent, _) => Ok(()),
+        (OptionValue::Number(number), _) => write!(f, " {key}={number}"),
+        (OptionValue::Whole(count), _) => write!(f, " {key}={count}"),
+        (OptionValue::On(on), _) => write!(f, " {key}={}", if on { "on" } else { "off" }),
+        (OptionValue::Colour(colour), _) => write!(f, " {key}={colour}"),
+        (OptionValue::Choice(place), Domain::Choice(choices)) => {
             let name = choices.get(usize::from(place)).map_or("", |choice| choice.name);
             write!(f, " {key}={name}")
         }
-        (Value::Choice(_), _) => Err(fmt::Error),
+        (OptionValue::Choice(_), _) => Err(fmt::Error),
     }
 }
 
@@ -295,21 +295,21 @@ fn read_value(
     Ok(())
 }
 
-fn parse_value(param: &Param, text: &str) -> Result<Value, String> {
+fn parse_value(param: &Param, text: &str) -> Result<OptionValue, String> {
     match param.domain {
-        Domain::Radius | Domain::Number(_) => number(text).map(Value::Number),
-        Domain::Whole(_) => number(text).map(Value::Whole),
-        Domain::Colour => parse_colour(text).map(Value::Colour),
+        Domain::Radius | Domain::Number(_) => number(text).map(OptionValue::Number),
+        Domain::Whole(_) => number(text).map(OptionValue::Whole),
+        Domain::Colour => parse_colour(text).map(OptionValue::Colour),
         Domain::Switch => match text {
-            "on" => Ok(Value::On(true)),
-            "off" => Ok(Value::On(false)),
+            "on" => Ok(OptionValue::On(true)),
+            "off" => Ok(OptionValue::On(false)),
             _ => Err("must be on or off".to_string()),
         },
         Domain::Choice(choices) => {
             let place = choices.iter().position(|choice| choice.name == text);
             let names: Vec<&str> = choices.iter().map(|choice| choice.name).collect();
             let place = place.ok_or_else(|| format!("must be {}", names.join(" or ")))?;
-            Ok(Value::Choice(place as u8))
+            Ok(OptionValue::Choice(place as u8))
         }
     }
 }

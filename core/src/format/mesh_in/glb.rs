@@ -10,7 +10,7 @@ use glam::{Affine2, Mat4, Quat, Vec2, Vec3};
 use serde_json::Value;
 
 use super::glb_json::{Glb, MAGIC, fault, whole};
-use super::gltf_files::Beside;
+use super::gltf_files::GltfFolder;
 use super::imported::{Imported, MeshReader};
 use crate::format::FormatError;
 use crate::format::error::excerpt;
@@ -67,7 +67,7 @@ const WHITE: Rgb = Rgb::new(255, 255, 255);
 
 struct GlbReader<'a> {
     glb: Glb<'a>,
-    beside: Beside<'a>,
+    beside: GltfFolder<'a>,
     out: Imported,
     /// The texture mapping of each material.
     layings: Vec<Laying>,
@@ -82,7 +82,7 @@ fn read(
     budget_bytes: u64,
     progress: &dyn Progress,
 ) -> Result<Imported, FormatError> {
-    let beside = Beside::new(path, budget_bytes, progress);
+    let beside = GltfFolder::new(path, budget_bytes, progress);
     let glb = Glb::read(file, &beside)?;
     let required = glb.json.get("extensionsRequired").and_then(Value::as_array);
     let is_known = |name: &&str| KNOWN_EXTENSIONS.contains(name) || name.starts_with(OF_MATERIALS);

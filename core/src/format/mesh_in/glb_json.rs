@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use serde_json::Value;
 
-use super::gltf_files::Beside;
+use super::gltf_files::GltfFolder;
 use crate::format::FormatError;
 use crate::format::bytes::Bytes;
 use crate::format::error::{excerpt, printable};
@@ -50,7 +50,7 @@ const MOST_ZEROS: usize = 1 << 22;
 
 impl<'a> Glb<'a> {
     /// Reads the chunks of a `.glb`, or the description of a `.gltf`, and the files that it names.
-    pub fn read(file: &'a [u8], beside: &Beside) -> Result<Glb<'a>, FormatError> {
+    pub fn read(file: &'a [u8], beside: &GltfFolder) -> Result<Glb<'a>, FormatError> {
         let is_binary = !file.trim_ascii_start().starts_with(b"{");
         let (json, binary) = if is_binary { chunks(file)? } else { (description(file)?, None) };
         let named = json.get("buffers").and_then(Value::as_array);

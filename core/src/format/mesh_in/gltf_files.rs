@@ -11,18 +11,18 @@ use crate::format::{FormatError, store};
 use crate::progress::Progress;
 
 /// The folder of a glTF file, and what may be read from it.
-pub struct Beside<'a> {
+pub struct GltfFolder<'a> {
     folder: &'a Path,
     /// Number of bytes that all files together may still take.
     left_bytes: Cell<u64>,
     progress: &'a dyn Progress,
 }
 
-impl<'a> Beside<'a> {
+impl<'a> GltfFolder<'a> {
     /// Creates it for the file at `path`; all files that it names may take `budget_bytes` together.
-    pub fn new(path: &'a Path, budget_bytes: u64, progress: &'a dyn Progress) -> Beside<'a> {
+    pub fn new(path: &'a Path, budget_bytes: u64, progress: &'a dyn Progress) -> GltfFolder<'a> {
         let folder = path.parent().unwrap_or(Path::new(""));
-        Beside { folder, left_bytes: Cell::new(budget_bytes), progress }
+        GltfFolder { folder, left_bytes: Cell::new(budget_bytes), progress }
     }
 
     /// Returns the bytes that a URI names.
@@ -78,7 +78,7 @@ mod tests {
         std::fs::write(inside.join("deep er/a.bin"), b"1234").unwrap();
         std::fs::write(folder.path().join("secret.bin"), b"secret").unwrap();
         let mesh = inside.join("a.gltf");
-        let beside = Beside::new(&mesh, 9, &());
+        let beside = GltfFolder::new(&mesh, 9, &());
         assert_eq!(beside.read("data:a/b;base64,AQID").unwrap(), [1, 2, 3]);
         assert_eq!(beside.read("deep%20er/a.bin").unwrap(), b"1234");
         let secret = folder.path().join("secret.bin");

@@ -28,13 +28,13 @@ const INDICES: u32 = 34963;
 
 /// The parts of the buffer and their contents.
 #[derive(Default)]
-struct Layout {
+struct BufferLayout {
     views: Vec<Value>,
     accessors: Vec<Value>,
     bytes: u64,
 }
 
-impl Layout {
+impl BufferLayout {
     /// Adds a part of `count` elements of `size` bytes; returns its number.
     fn add(&mut self, count: u64, size: u64, target: u32, mut accessor: Value) -> usize {
         let number = self.views.len();
@@ -104,7 +104,7 @@ fn description(job: &MeshExport, has_normals: bool) -> (Vec<u8>, u64) {
     let start = [Vec3::INFINITY, Vec3::NEG_INFINITY];
     let places = mesh.positions().map(|position| place(job, position));
     let [low, high] = places.fold(start, |[low, high], p| [low.min(p), high.max(p)]);
-    let mut layout = Layout::default();
+    let mut layout = BufferLayout::default();
     let positions = json!({
         "componentType": FLOAT, "count": vertices, "type": "VEC3",
         "min": low.to_array(), "max": high.to_array()

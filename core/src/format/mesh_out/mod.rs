@@ -61,17 +61,17 @@ impl MeshTraits {
 
 /// The map from grid coordinates to the coordinates of a file, in millimetres.
 #[derive(Clone, Copy, Debug)]
-struct Space {
+struct FileTransform {
     turn_and_scale: Mat3,
     offset: Vec3,
 }
 
-impl Space {
+impl FileTransform {
     fn of(
         contents: &Contents,
         traits: &MeshTraits,
         options: &MeshOptions,
-    ) -> Result<Space, FormatError> {
+    ) -> Result<FileTransform, FormatError> {
         let mut voxel_mm = contents.grid.voxel_size();
         if let Some(length) = options.voxel_mm {
             let is_length = length.is_finite() && length > 0.0;
@@ -81,9 +81,9 @@ impl Space {
         }
         let scale = Mat3::from_diagonal(voxel_mm);
         Ok(match options.up.unwrap_or(traits.up) {
-            MeshUp::Y => Space { turn_and_scale: scale, offset: Vec3::ZERO },
+            MeshUp::Y => FileTransform { turn_and_scale: scale, offset: Vec3::ZERO },
             // A quarter turn about x; the grid stays at positive coordinates.
-            MeshUp::Z => Space {
+            MeshUp::Z => FileTransform {
                 turn_and_scale: Mat3::from_cols(Vec3::X, Vec3::Z, -Vec3::Y) * scale,
                 offset: Vec3::Y * (voxel_mm.z * contents.grid.dims().z as f32),
             },
@@ -99,7 +99,7 @@ impl Space {
 /// A mesh to be written.
 pub struct MeshExport<'a> {
     mesh: &'a Mesh,
-    space: Space,
+    space: FileTransform,
     options: &'a MeshOptions,
     budget: Budget,
     progress: &'a dyn Progress,

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use glam::Vec3;
 
-use super::{MeshExport, MeshWriter, Space};
+use super::{FileTransform, MeshExport, MeshWriter};
 use crate::format::options::MeshOptions;
 use crate::format::{FormatError, list};
 use crate::mesh::{
@@ -88,7 +88,7 @@ fn save_made(
     if options.points_only && !traits.holds_points {
         return Err(list::no_points());
     }
-    let space = Space::of(contents, traits, options)?;
+    let space = FileTransform::of(contents, traits, options)?;
     if contents.grid.opaque_count() == 0 {
         return Err(FormatError::NoSurface);
     }

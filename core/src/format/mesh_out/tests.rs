@@ -12,7 +12,7 @@ use crate::format::FormatError;
 use crate::format::options::ExportForm;
 use crate::mesh::tests::check::{check, welded};
 use crate::mesh::{Mesh, MeshKind, VertexColours};
-use crate::progress::Report;
+use crate::progress::ProgressReport;
 use crate::scenes::grid_of;
 use crate::sculpture::history::Contents;
 use crate::sculpture::{Brick, ColourDepth, Grid, Limits, Material, Rgb};
@@ -246,7 +246,7 @@ fn what_cannot_be_is_refused_with_a_remedy_and_leaves_nothing() {
     empty.grid.fill_bricks(|_| Brick::EMPTY);
     let made = save_mesh(&path, &empty, &plain, &Limits::default(), &());
     assert!(matches!(made, Err(FormatError::NoSurface)));
-    let report = Report::default();
+    let report = ProgressReport::default();
     report.cancel();
     let made = save_mesh(&path, &subject(), &plain, &Limits::default(), &report);
     assert!(matches!(made, Err(FormatError::Cancelled)));

@@ -28,17 +28,17 @@ const MOST_BYTES: usize = 1 << 20;
 const DATA_FILE: &str = "ElementDataFile";
 const MOST_AXES: usize = 8;
 
-struct Header {
+struct MetaImageHeader {
     fields: HashMap<String, String>,
     /// The lines after the last field, up to an empty one.
     listed: Vec<String>,
     bytes: usize,
 }
 
-impl Header {
-    fn parse(file: &[u8]) -> Result<Header, FormatError> {
+impl MetaImageHeader {
+    fn parse(file: &[u8]) -> Result<MetaImageHeader, FormatError> {
         let start = &file[..file.len().min(MOST_BYTES)];
-        let mut header = Header { fields: HashMap::new(), listed: Vec::new(), bytes: 0 };
+        let mut header = MetaImageHeader { fields: HashMap::new(), listed: Vec::new(), bytes: 0 };
         let mut lines = start.split_inclusive(|byte| *byte == b'\n');
         for line in lines.by_ref() {
             header.bytes += line.len();
@@ -84,7 +84,7 @@ impl Header {
 }
 
 fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
-    let header = Header::parse(&file)?;
+    let header = MetaImageHeader::parse(&file)?;
     let sizes = header.numbers(&["DimSize"])?.unwrap_or_default();
     let is_size = |size: &f64| (1.0..=f64::from(u32::MAX)).contains(size) && size.fract() == 0.0;
     if sizes.is_empty() || sizes.len() > MOST_AXES || !sizes.iter().all(is_size) {
@@ -113,10 +113,10 @@ fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     let is_packed = header.is(&["CompressedData"]);
     let skip = header.numbers(&["HeaderSize"])?.and_then(|all| all.first().copied()).unwrap_or(0.0);
     let place = [volumes.time.index(), count];
-    let coding = Coding { is_text, is_packed, skip, number, place, reading };
+    let coding = MetaImageEncoding { is_text, is_packed, skip, number, place, reading };
     let (data, elsewhere) = match header.field(&[DATA_FILE]).unwrap_or_default() {
         "LOCAL" | "Local" | "local" => {
-            let own = Coding { skip: 0.0, ..coding };
+            let own = MetaImageEncoding { skip: 0.0, ..coding };
             (own.voxels(&file[header.bytes..], bytes)?, "")
         }
         "LIST" => {
@@ -126,7 +126,7 @@ fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
             let names = volumes.nth(place[0] as usize).ok_or_else(|| {
                 malformed("the header", "it lists fewer files than there are layers")
             })?;
-            let coding = Coding { place: [0, 1], ..coding };
+            let coding = MetaImageEncoding { place: [0, 1], ..coding };
             let mut data = Vec::with_capacity(bytes as usize);
             for name in names {
                 data.extend(
@@ -160,7 +160,7 @@ fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
 
 /// The encoding of the voxels of a file.
 #[derive(Clone, Copy)]
-struct Coding<'a> {
+struct MetaImageEncoding<'a> {
     is_text: bool,
     is_packed: bool,
     /// Number of bytes before them; -1: as many as precede those at the end.
@@ -171,7 +171,7 @@ struct Coding<'a> {
     reading: &'a Reading<'a>,
 }
 
-impl Coding<'_> {
+impl MetaImageEncoding<'_> {
     fn voxels(&self, file: &[u8], bytes: u64) -> Result<Vec<u8>, FormatError> {
         let found = file.len() as u64;
         let [before, all] = self.place.map(|volumes| bytes.saturating_mul(volumes));
@@ -197,7 +197,7 @@ impl Coding<'_> {
     }
 }
 
-fn number(header: &Header) -> Result<Number, FormatError> {
+fn number(header: &MetaImageHeader) -> Result<Number, FormatError> {
     let channels = header.numbers(&["ElementNumberOfChannels"])?;
     let channels = channels.and_then(|all| all.first().copied()).unwrap_or(1.0);
     let name = header.field(&["ElementType"]).unwrap_or_default();
@@ -224,7 +224,7 @@ fn number(header: &Header) -> Result<Number, FormatError> {
 }
 
 /// Returns the directions of the axes: x to the left, y to the back, z to the head.
-fn frame(header: &Header) -> Result<AxisFrame, FormatError> {
+fn frame(header: &MetaImageHeader) -> Result<AxisFrame, FormatError> {
     let matrix = header.numbers(&["TransformMatrix", "Rotation", "Orientation"])?;
     let matrix: Option<[f64; 9]> = matrix.and_then(|all| all.try_into().ok());
     Ok(match matrix {

@@ -42,7 +42,7 @@ const FARTHEST_OFFSET: f64 = 1e9;
 const INTENT_LABEL: i64 = 1002;
 
 /// The data from the header.
-struct Header {
+struct NiftiHeader {
     version: u8,
     is_big: bool,
     is_pair: bool,
@@ -70,7 +70,7 @@ fn read(path: &Path, file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatErr
         }
         false => start.extend_from_slice(&file[..file.len().min(most as usize)]),
     }
-    let header = Header::parse(&start)?;
+    let header = NiftiHeader::parse(&start)?;
     let volumes = reading.volumes(header.volumes)?;
     reading.admit(header.dims, header.voxel_size)?;
     let bytes = header.number.check(header.dims, reading.rest_bytes(file.len() as u64))?;
@@ -151,14 +151,14 @@ fn voxels(
 }
 
 /// Access to the numbers of a header by position.
-struct Fields<'a> {
+struct NiftiFields<'a> {
     bytes: &'a [u8],
     is_big: bool,
     /// Whether it is version 2, which has other positions.
     is_second: bool,
 }
 
-impl Fields<'_> {
+impl NiftiFields<'_> {
     fn at<const N: usize>(&self, place: usize) -> [u8; N] {
         let mut own = [0; N];
         own.copy_from_slice(&self.bytes[place..place + N]);
@@ -189,9 +189,9 @@ impl Fields<'_> {
     }
 }
 
-impl<'a> Fields<'a> {
+impl<'a> NiftiFields<'a> {
     /// Reads a header, whose length shows version and byte order.
-    fn of(start: &'a [u8]) -> Result<Fields<'a>, FormatError> {
+    fn of(start: &'a [u8]) -> Result<NiftiFields<'a>, FormatError> {
         let size: [u8; 4] = start
             .first_chunk()
             .copied()
@@ -211,7 +211,7 @@ impl<'a> Fields<'a> {
         if start.len() < HEADER_BYTES[version] {
             return Err(malformed("the header", "the file ends in it"));
         }
-        Ok(Fields { bytes: start, is_big, is_second: version == 1 })
+        Ok(NiftiFields { bytes: start, is_big, is_second: version == 1 })
     }
 
     /// Returns whether the voxels lie in a second file.
@@ -318,9 +318,9 @@ impl<'a> Fields<'a> {
     }
 }
 
-impl Header {
-    fn parse(start: &[u8]) -> Result<Header, FormatError> {
-        let fields = Fields::of(start)?;
+impl NiftiHeader {
+    fn parse(start: &[u8]) -> Result<NiftiHeader, FormatError> {
+        let fields = NiftiFields::of(start)?;
         let sizes = fields.sizes()?;
         let size = |axis: usize| sizes.get(axis).map_or(1, |size| *size as u32);
         let volumes = sizes.iter().skip(3).fold(1u64, |n, size| n.saturating_mul(*size as u64));
@@ -338,7 +338,7 @@ impl Header {
         }
         let unit = fields.mm_per_unit();
         let voxel_size = lengths.map(|length| length.map_or(1.0, |length| (length * unit) as f32));
-        Ok(Header {
+        Ok(NiftiHeader {
             version: u8::from(fields.is_second) + 1,
             is_big: fields.is_big,
             is_pair: fields.is_pair(),

@@ -9,7 +9,7 @@ use flate2::read::MultiGzDecoder;
 use glam::{DVec3, UVec3, Vec3};
 
 use super::frame::AxisFrame;
-use super::nrrd_header::{Axis, MAGIC, NrrdEncoding, NrrdHeader};
+use super::nrrd_header::{MAGIC, NrrdAxis, NrrdEncoding, NrrdHeader};
 use super::numbers::{Number, volume};
 use super::reading::{Reading, Scan};
 use super::segments::Segments;
@@ -29,7 +29,7 @@ pub static SPEC: FormatSpec = FormatSpec {
 
 fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     let header = NrrdHeader::parse(&file)?;
-    let layout = Layout::of(&header)?;
+    let layout = NrrdLayout::of(&header)?;
     let of_layers = if layout.others.len() == 1 { layout.volumes } else { 1 };
     let segments = Segments::of(&header.pairs, of_layers).filter(|_| layout.colours == 1);
     // The layers of a segmentation are read together.
@@ -220,7 +220,7 @@ pub fn text(rest: &[u8], number: Number, total: u64) -> Result<Vec<u8>, FormatEr
 }
 
 /// The assignment of the axes of the file to the volume.
-struct Layout {
+struct NrrdLayout {
     dims: UVec3,
     /// Distance from a voxel to the next along each axis, in numbers of the file.
     strides: [u64; 3],
@@ -235,8 +235,8 @@ struct Layout {
     notes: Vec<String>,
 }
 
-impl Layout {
-    fn of(header: &NrrdHeader) -> Result<Layout, FormatError> {
+impl NrrdLayout {
+    fn of(header: &NrrdHeader) -> Result<NrrdLayout, FormatError> {
         let first = &header.axes[0];
         let is_colour = header.number == Number::U8
             && match first.kind.to_ascii_lowercase().as_str() {
@@ -246,7 +246,7 @@ impl Layout {
                 "vector" | "3-vector" | "4-vector" => matches!(first.size, 3 | 4),
                 _ => false,
             };
-        let is_space = |axis: &Axis| {
+        let is_space = |axis: &NrrdAxis| {
             let kind = axis.kind.to_ascii_lowercase();
             let spatial = matches!(kind.as_str(), "" | "???" | "none" | "domain" | "space");
             if header.has_directions { axis.direction.is_some() } else { spatial }
@@ -274,7 +274,7 @@ impl Layout {
         let size =
             |i: usize| axis(i).map_or(1, |axis| u32::try_from(axis.size).unwrap_or(u32::MAX));
         let length = |i: usize| {
-            let spaced = |axis: &Axis| axis.spacing.map(|length| length * axis.mm_per_unit);
+            let spaced = |axis: &NrrdAxis| axis.spacing.map(|length| length * axis.mm_per_unit);
             let length = axis(i).and_then(|a| a.direction.map(DVec3::length).or(spaced(a)));
             length.filter(|n| n.is_finite() && *n != 0.0).map(f64::abs)
         };
@@ -282,7 +282,7 @@ impl Layout {
         if lengths.iter().take(chosen.len()).all(Option::is_none) {
             notes.push("the file does not say how large a voxel is; 1 mm was taken".to_string());
         }
-        Ok(Layout {
+        Ok(NrrdLayout {
             dims: UVec3::new(size(0), size(1), size(2)),
             strides: [0, 1, 2].map(|i| chosen.get(i).map_or(0, |place| strides[*place])),
             colours: if is_colour { first.size } else { 1 },

@@ -30,7 +30,7 @@ pub enum NrrdEncoding {
 
 /// An axis of the file.
 #[derive(Clone, Debug, Default)]
-pub struct Axis {
+pub struct NrrdAxis {
     pub size: u64,
     /// Length of a voxel, where it is given without a direction.
     pub spacing: Option<f64>,
@@ -46,7 +46,7 @@ pub struct Axis {
 #[derive(Debug)]
 pub struct NrrdHeader {
     pub number: Number,
-    pub axes: Vec<Axis>,
+    pub axes: Vec<NrrdAxis>,
     pub encoding: NrrdEncoding,
     pub is_big: bool,
     /// The space, in lower case, such as `left-posterior-superior`.
@@ -135,7 +135,7 @@ impl NrrdHeader {
         data_files: Vec<String>,
         bytes: usize,
     ) -> Result<NrrdHeader, FormatError> {
-        let fields = Fields(fields);
+        let fields = NrrdFields(fields);
         let mut axes = fields.axes()?;
         let unknown_units = fields.lengths(&mut axes)?;
         let number = number(fields.required("type")?)?;
@@ -165,9 +165,9 @@ impl NrrdHeader {
 }
 
 /// The fields of a header, by their names in lower case and without spaces.
-struct Fields<'a>(&'a HashMap<String, String>);
+struct NrrdFields<'a>(&'a HashMap<String, String>);
 
-impl<'a> Fields<'a> {
+impl<'a> NrrdFields<'a> {
     fn get(&self, name: &str) -> Option<&'a str> {
         self.0.get(name).map(String::as_str)
     }
@@ -178,7 +178,7 @@ impl<'a> Fields<'a> {
     }
 
     /// Returns the axes, with only their sizes.
-    fn axes(&self) -> Result<Vec<Axis>, FormatError> {
+    fn axes(&self) -> Result<Vec<NrrdAxis>, FormatError> {
         let count = parse::<usize>("dimension", self.required("dimension")?)?;
         let sizes: Vec<u64> = words("sizes", self.required("sizes")?)?;
         if !(1..=MOST_AXES).contains(&count) || sizes.len() != count {
@@ -194,11 +194,11 @@ impl<'a> Fields<'a> {
             return Err(malformed("the header", "an axis has no voxels"));
         }
         let axes = sizes.into_iter();
-        Ok(axes.map(|size| Axis { size, mm_per_unit: 1.0, ..Axis::default() }).collect())
+        Ok(axes.map(|size| NrrdAxis { size, mm_per_unit: 1.0, ..NrrdAxis::default() }).collect())
     }
 
     /// Adds the meanings and voxel lengths to the axes. Returns the unknown units.
-    fn lengths(&self, axes: &mut [Axis]) -> Result<Vec<String>, FormatError> {
+    fn lengths(&self, axes: &mut [NrrdAxis]) -> Result<Vec<String>, FormatError> {
         extents(|name| self.get(name), axes)?;
         if let Some(text) = self.get("spacings") {
             let spacings: Vec<f64> = words("spacings", text)?;
@@ -259,7 +259,7 @@ fn encoding(name: &str) -> Result<NrrdEncoding, FormatError> {
 /// Returns the voxel lengths of axes that state the positions of their first and last voxel instead.
 fn extents<'a>(
     field: impl Fn(&str) -> Option<&'a str>,
-    axes: &mut [Axis],
+    axes: &mut [NrrdAxis],
 ) -> Result<(), FormatError> {
     let (Some(mins), Some(maxs)) = (field("axismins"), field("axismaxs")) else { return Ok(()) };
     let (mins, maxs) = (words::<f64>("axis mins", mins)?, words::<f64>("axis maxs", maxs)?);

@@ -89,7 +89,7 @@ fn read(path: &Path, mut file: Vec<u8>, reading: &Reading) -> Result<Scan, Forma
     let dims = UVec3::new(page.width, page.height, depth);
     let voxel_size = told.voxel_size;
     reading.admit(dims, voxel_size)?;
-    let mut stack = Stack { page, number: None, data: Vec::new(), dims, reading };
+    let mut stack = PageStack { page, number: None, data: Vec::new(), dims, reading };
 
     reading.progress.begin("reading pages");
     let added = match (series.is_empty(), behind) {
@@ -135,17 +135,17 @@ fn behind_first(file: &[u8], told: &Told) -> Result<Option<usize>, FormatError> 
 }
 
 /// The pages of a file.
-struct Found {
+struct TiffPages {
     /// The pages like the first.
     alike: Vec<usize>,
     /// The number of all others, such as thumbnails.
     others: usize,
 }
 
-fn pages_alike(file: &[u8]) -> Result<(Page, Found), FormatError> {
+fn pages_alike(file: &[u8]) -> Result<(Page, TiffPages), FormatError> {
     let mut pages = open(file)?;
     let first = page_of(&mut pages)?;
-    let mut found = Found { alike: vec![0], others: 0 };
+    let mut found = TiffPages { alike: vec![0], others: 0 };
     for i in 1.. {
         if !pages.more_images() || i > MAX_AXIS_VX as usize {
             break;
@@ -177,7 +177,7 @@ fn page_of(pages: &mut Pages) -> Result<Page, FormatError> {
 }
 
 /// A volume that grows by a page at a time.
-struct Stack<'a> {
+struct PageStack<'a> {
     page: Page,
     /// The number type of the first page.
     number: Option<Number>,
@@ -187,11 +187,11 @@ struct Stack<'a> {
     reading: &'a Reading<'a>,
 }
 
-impl Stack<'_> {
+impl PageStack<'_> {
     /// Appends pages that follow the first one, which begins at byte `begin`.
     fn add_behind(&mut self, file: &[u8], begin: usize, all: &[usize]) -> Result<(), FormatError> {
         // The first page determines the number type.
-        let mut first = Stack { data: Vec::new(), dims: self.dims, ..*self };
+        let mut first = PageStack { data: Vec::new(), dims: self.dims, ..*self };
         first.add(file, 0)?;
         let number = first.number.unwrap_or(Number::U8);
         let layer = first.data.len();

@@ -61,7 +61,7 @@ fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     let components = array.attribute("NumberOfComponents").unwrap_or("1").trim();
     let number = number(array.attribute("type").unwrap_or(""), components)?;
     let bytes = number.check(dims, reading.rest_bytes(2 * file.len() as u64))?;
-    let coding = Coding {
+    let coding = ArrayEncoding {
         is_big: root.attribute("byte_order") == Some("BigEndian"),
         wide: root.attribute("header_type") == Some("UInt64"),
         is_packed: !compressor.is_empty(),
@@ -133,10 +133,10 @@ fn checked_compressor<'a>(root: Node<'a, '_>) -> Result<&'a str, FormatError> {
 /// Returns the numbers of all pieces in the box of the file, given by its lowest voxel and its size, and whether they
 /// fill it.
 fn joined(
-    parts: &[Part],
+    parts: &[VtiPiece],
     (low, dims): (I64Vec3, UVec3),
     number: Number,
-    coding: &Coding,
+    coding: &ArrayEncoding,
     appended: &[u8],
 ) -> Result<(Vec<u8>, bool), FormatError> {
     let voxel_bytes = number.bytes() as usize;
@@ -145,7 +145,7 @@ fn joined(
     for part in parts {
         go_on(coding.reading.progress)?;
         let count = part.dims.as_usizevec3().element_product();
-        let coding = Coding { bytes: count * voxel_bytes, ..*coding };
+        let coding = ArrayEncoding { bytes: count * voxel_bytes, ..*coding };
         let own = coding.array(part.array, number, appended)?;
         let at = (part.low - low).as_uvec3();
         let row_bytes = part.dims.x as usize * voxel_bytes;
@@ -194,7 +194,7 @@ fn array<'a, 'b>(piece: Node<'a, 'b>) -> Result<(Node<'a, 'b>, bool), FormatErro
 }
 
 /// A piece of the grid, with the array to read.
-struct Part<'a, 'b> {
+struct VtiPiece<'a, 'b> {
     piece: Node<'a, 'b>,
     array: Node<'a, 'b>,
     is_of_cells: bool,
@@ -204,17 +204,18 @@ struct Part<'a, 'b> {
     dims: UVec3,
 }
 
-impl Part<'_, '_> {
+impl VtiPiece<'_, '_> {
     /// Returns one past its highest voxel.
     fn high(&self) -> I64Vec3 {
         self.low.saturating_add(self.dims.as_i64vec3())
     }
 
     /// Returns whether another piece has the same array, with the same number type.
-    fn is_like(&self, other: &Part) -> bool {
+    fn is_like(&self, other: &VtiPiece) -> bool {
         let is_same = |name| self.array.attribute(name) == other.array.attribute(name);
         // Text has no order of bytes.
-        let is_text = |part: &Part| matches!(part.array.attribute("format"), None | Some("ascii"));
+        let is_text =
+            |part: &VtiPiece| matches!(part.array.attribute("format"), None | Some("ascii"));
         self.is_of_cells == other.is_of_cells
             && ["Name", "type", "NumberOfComponents"].into_iter().all(is_same)
             && is_text(self) == is_text(other)
@@ -222,8 +223,8 @@ impl Part<'_, '_> {
 }
 
 /// Returns the non-empty pieces, at least one; all have the same array.
-fn parts<'a, 'b>(pieces: &[Node<'a, 'b>]) -> Result<Vec<Part<'a, 'b>>, FormatError> {
-    let mut parts: Vec<Part> = Vec::new();
+fn parts<'a, 'b>(pieces: &[Node<'a, 'b>]) -> Result<Vec<VtiPiece<'a, 'b>>, FormatError> {
+    let mut parts: Vec<VtiPiece> = Vec::new();
     for piece in pieces {
         let extent: [i64; 6] = numbers(*piece, "Extent")?;
         let [low, high] =
@@ -239,7 +240,7 @@ fn parts<'a, 'b>(pieces: &[Node<'a, 'b>]) -> Result<Vec<Part<'a, 'b>>, FormatErr
             high.saturating_add(I64Vec3::ONE)
         };
         let dims = checked_dims(low, over)?;
-        let part = Part { piece: *piece, array, is_of_cells, low, dims };
+        let part = VtiPiece { piece: *piece, array, is_of_cells, low, dims };
         if parts.first().is_some_and(|first| !first.is_like(&part)) {
             return Err(FormatError::Scan(
                 "its pieces hold different arrays; write it as one piece".to_string(),
@@ -266,8 +267,8 @@ fn checked_dims(low: I64Vec3, high: I64Vec3) -> Result<UVec3, FormatError> {
 }
 
 /// Returns notes on the other arrays, which are left out.
-fn notes(parts: &[Part]) -> Vec<String> {
-    let Some(Part { piece, array: taken, .. }) = parts.first() else { return Vec::new() };
+fn notes(parts: &[VtiPiece]) -> Vec<String> {
+    let Some(VtiPiece { piece, array: taken, .. }) = parts.first() else { return Vec::new() };
     let arrays = piece.descendants().filter(|node| node.has_tag_name("DataArray") && node != taken);
     let names: Vec<&str> = arrays.filter_map(|array| array.attribute("Name")).collect();
     if names.is_empty() { Vec::new() } else { vec![format!("left out: {}", names.join(", "))] }
@@ -314,7 +315,7 @@ fn of_text(text: &[u8], number: Number, bytes: usize) -> Result<Vec<u8>, FormatE
 
 /// The encoding of binary arrays.
 #[derive(Clone, Copy)]
-struct Coding<'a> {
+struct ArrayEncoding<'a> {
     is_big: bool,
     /// Whether lengths have 8 bytes instead of 4.
     wide: bool,
@@ -324,7 +325,7 @@ struct Coding<'a> {
     reading: &'a Reading<'a>,
 }
 
-impl Coding<'_> {
+impl ArrayEncoding<'_> {
     /// Returns the bytes of an array.
     fn array(&self, array: Node, number: Number, appended: &[u8]) -> Result<Vec<u8>, FormatError> {
         let inline = || array.text().unwrap_or_default().as_bytes();

@@ -28,11 +28,11 @@ const MOST_LINES: usize = 1 << 10;
 const MOST_LETTERS: usize = 1 << 12;
 
 /// The lines of a file, and the data after them.
-struct Lines<'a> {
+struct VtkLines<'a> {
     rest: &'a [u8],
 }
 
-impl<'a> Lines<'a> {
+impl<'a> VtkLines<'a> {
     /// Returns the next non-empty line.
     fn next(&mut self) -> Option<String> {
         loop {
@@ -52,7 +52,7 @@ impl<'a> Lines<'a> {
 
 fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     let refused = |what: String| FormatError::Scan(format!("{what}; write it as .vti or .nrrd"));
-    let mut lines = Lines { rest: &file };
+    let mut lines = VtkLines { rest: &file };
     let first = lines.next().unwrap_or_default();
     if !first.starts_with(MAGIC) {
         return Err(refused(format!(
@@ -64,7 +64,7 @@ fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     let end = lines.rest.iter().position(|byte| *byte == b'\n').unwrap_or(lines.rest.len());
     let title = lines.rest[..end.min(256)].trim_ascii().to_vec();
     lines.rest = lines.rest.get(end + 1..).unwrap_or_default();
-    let mut head = Head { title, voxel_size: [1.0; 3], ..Head::default() };
+    let mut head = VtkHeader { title, voxel_size: [1.0; 3], ..VtkHeader::default() };
     let mut array = None;
     for _ in 0..MOST_LINES {
         let Some(line) = lines.next() else { break };
@@ -113,7 +113,7 @@ fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
 
 /// The values of the lines before the array.
 #[derive(Default)]
-struct Head {
+struct VtkHeader {
     title: Vec<u8>,
     is_binary: bool,
     is_of_cells: bool,
@@ -122,9 +122,9 @@ struct Head {
     voxel_size: [f32; 3],
 }
 
-impl Head {
+impl VtkHeader {
     /// Takes a line. Returns the number type of an array whose values follow.
-    fn take(&mut self, line: &str, lines: &mut Lines) -> Result<Option<Number>, FormatError> {
+    fn take(&mut self, line: &str, lines: &mut VtkLines) -> Result<Option<Number>, FormatError> {
         let words: Vec<&str> = line.split_ascii_whitespace().collect();
         let upper = words[0].to_ascii_uppercase();
         match (upper.as_str(), &words[1..]) {

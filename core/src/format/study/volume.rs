@@ -12,7 +12,7 @@ use crate::format::prepare::prepared;
 use crate::format::ramp::Ramp;
 use crate::format::scan::AxisFrame;
 use crate::format::volume::{Samples, Volume};
-use crate::format::{Densities, FormatError, Source, Volumes, budget_bytes, labels};
+use crate::format::{Densities, FileMetadata, FormatError, Volumes, budget_bytes, labels};
 use crate::sculpture::orientation::Orientation;
 use crate::sculpture::{Grid, Limits, Rgb};
 
@@ -56,14 +56,14 @@ impl Existing {
 }
 
 impl VolumeStudy {
-    pub(super) fn of(volume: Volume, source: Source) -> Result<VolumeStudy, FormatError> {
+    pub(super) fn of(volume: Volume, source: FileMetadata) -> Result<VolumeStudy, FormatError> {
         let densities = match volume.samples {
             Samples::Bytes(n) => return Err(FormatError::Components(n)),
             Samples::Rgb8 | Samples::Rgba8 => of_colours(&volume),
             _ => Densities::of(&volume),
         };
         let densities = densities.ok_or(FormatError::Components(volume.samples.bytes()))?;
-        let Source { kind, frame, is_label, volumes, notes, .. } = source;
+        let FileMetadata { kind, frame, is_label, volumes, notes, .. } = source;
         Ok(VolumeStudy { volume, densities, is_label, kind, volumes, notes, frame })
     }
 

@@ -42,7 +42,7 @@ const CHUNK_HEADER_BYTES: usize = 12;
 
 /// A model in the layout of the file: four bytes per voxel, x, y, z and colour, z up.
 #[derive(Debug)]
-struct Part<'a> {
+struct VoxModel<'a> {
     size: I64Vec3,
     voxels: &'a [[u8; 4]],
 }
@@ -51,7 +51,7 @@ struct Part<'a> {
 #[derive(Debug)]
 struct Vox<'a> {
     version: u32,
-    parts: Vec<Part<'a>>,
+    parts: Vec<VoxModel<'a>>,
     instances: Vec<Instance>,
     palette: [Rgb; 256],
     notes: Vec<String>,
@@ -60,7 +60,7 @@ struct Vox<'a> {
 /// The contents of the chunks, before the scene graph is followed.
 #[derive(Default)]
 struct Chunks<'a> {
-    parts: Vec<Part<'a>>,
+    parts: Vec<VoxModel<'a>>,
     size: Option<I64Vec3>,
     palette: Option<[Rgb; 256]>,
     nodes: HashMap<i32, Node>,
@@ -165,7 +165,7 @@ impl<'a> Chunks<'a> {
             let note = "voxels outside of their model, which were left out";
             self.notes.push(format!("{note}: {outside}"));
         }
-        self.parts.push(Part { size, voxels });
+        self.parts.push(VoxModel { size, voxels });
         Ok(())
     }
 
@@ -290,7 +290,7 @@ impl Model for Vox<'_> {
 
     fn walk(&self, sink: &mut Sink<'_>) -> Result<(), FormatError> {
         for instance in &self.instances {
-            let Part { size, voxels } = self.parts[instance.part];
+            let VoxModel { size, voxels } = self.parts[instance.part];
             for voxel in voxels {
                 let &[x, y, z, colour] = voxel;
                 if colour > 0 && is_inside(voxel, size) {

@@ -25,7 +25,7 @@ const COLOURS: usize = 255;
 const VERSION: u32 = 150;
 
 /// A part of the grid that becomes a model.
-struct Block {
+struct VoxBlock {
     low: UVec3,
     size: UVec3,
     voxels: u64,
@@ -51,7 +51,7 @@ pub fn write(
     }
     let blocks = blocks(grid);
     let scene = if blocks.len() > 1 { scene(&blocks, grid.dims()) } else { Vec::new() };
-    let model_bytes = |block: &Block| 24 + 16 + 4 * block.voxels;
+    let model_bytes = |block: &VoxBlock| 24 + 16 + 4 * block.voxels;
     let palette_bytes = 12 + 1024;
     let children = blocks.iter().map(model_bytes).sum::<u64>() + scene.len() as u64 + palette_bytes;
     let children = i32::try_from(children).map_err(|_| FormatError::TooLargeForVox)?;
@@ -82,7 +82,7 @@ fn words(out: &mut dyn Write, words: &[i32]) -> io::Result<()> {
 
 /// Returns the blocks that hold voxels, and those at the lowest and the highest corner, which keep the size of the
 /// grid.
-fn blocks(grid: &Grid) -> Vec<Block> {
+fn blocks(grid: &Grid) -> Vec<VoxBlock> {
     let dims = grid.dims();
     let count = dims.map(|edge| edge.div_ceil(MAX_EDGE_VX));
     let bricks_per_block = MAX_EDGE_VX / BRICK_EDGE_VX;
@@ -98,7 +98,7 @@ fn blocks(grid: &Grid) -> Vec<Block> {
             let i = i as u32;
             let block = UVec3::new(i % count.x, i / count.x % count.y, i / (count.x * count.y));
             let low = block * MAX_EDGE_VX;
-            Block { low, size: (dims - low).min(UVec3::splat(MAX_EDGE_VX)), voxels }
+            VoxBlock { low, size: (dims - low).min(UVec3::splat(MAX_EDGE_VX)), voxels }
         })
         .collect()
 }
@@ -106,7 +106,7 @@ fn blocks(grid: &Grid) -> Vec<Block> {
 fn write_block(
     contents: &Contents,
     palette: &Palette,
-    block: &Block,
+    block: &VoxBlock,
     out: &mut dyn Write,
 ) -> io::Result<()> {
     let (grid, material) = (&contents.grid, &contents.material);
@@ -136,7 +136,7 @@ fn write_block(
 }
 
 /// Returns the chunks that place the blocks, as models in their order: around the origin, on the ground.
-fn scene(blocks: &[Block], dims: UVec3) -> Vec<u8> {
+fn scene(blocks: &[VoxBlock], dims: UVec3) -> Vec<u8> {
     let mut scene = Vec::new();
     let mut chunk = |id: &[u8; 4], content: &[u8]| {
         scene.extend_from_slice(id);

@@ -26,28 +26,28 @@ const BUCKET_SHIFT: u32 = 21;
 const BUCKETS: usize = 1 << (31 - BUCKET_SHIFT);
 
 /// An edge that may be collapsed, and the sum of its vertices' versions, which identifies an edge that has changed.
-type Candidate = ([u32; 2], u32);
+type EdgeCandidate = ([u32; 2], u32);
 
 /// The edges by their errors, to the precision of the buckets: unlike a heap, this costs no more for many edges.
-struct Queue {
-    buckets: Vec<Vec<Candidate>>,
+struct EdgeQueue {
+    buckets: Vec<Vec<EdgeCandidate>>,
     /// All buckets below this one are empty.
     lowest: usize,
 }
 
-impl Queue {
-    fn new() -> Queue {
-        Queue { buckets: vec![Vec::new(); BUCKETS], lowest: 0 }
+impl EdgeQueue {
+    fn new() -> EdgeQueue {
+        EdgeQueue { buckets: vec![Vec::new(); BUCKETS], lowest: 0 }
     }
 
-    fn push(&mut self, error: f32, candidate: Candidate) {
+    fn push(&mut self, error: f32, candidate: EdgeCandidate) {
         let bucket = (error.to_bits() >> BUCKET_SHIFT) as usize % BUCKETS;
         self.buckets[bucket].push(candidate);
         self.lowest = self.lowest.min(bucket);
     }
 
     /// Returns all edges of the lowest bucket that has any.
-    fn pop(&mut self) -> Option<Vec<Candidate>> {
+    fn pop(&mut self) -> Option<Vec<EdgeCandidate>> {
         let next = self.buckets[self.lowest..].iter().position(|bucket| !bucket.is_empty())?;
         self.lowest += next;
         Some(std::mem::take(&mut self.buckets[self.lowest]))
@@ -60,7 +60,7 @@ fn needed_bytes(mesh: &Mesh) -> u64 {
     let (vertices, triangles) = (mesh.vertex_count(), mesh.triangle_count());
     let (copied, whole) = SimplifiedSurface::needed_bytes(vertices, triangles, mesh.is_coloured());
     let edges = triangles + triangles / 2;
-    let queue = 2 * edges * size_of::<Candidate>() as u64;
+    let queue = 2 * edges * size_of::<EdgeCandidate>() as u64;
     (mesh.heap_bytes() + copied).max(whole + queue)
 }
 
@@ -82,7 +82,7 @@ pub fn simplified(
     progress.begin("simplifying");
     let base = mesh.base;
     let mut surface = SimplifiedSurface::new(mesh);
-    let mut queue = Queue::new();
+    let mut queue = EdgeQueue::new();
     for edge in surface.edges() {
         queue.push(surface.collapse_of(edge).error, (edge, surface.version(edge)));
     }

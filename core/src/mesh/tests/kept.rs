@@ -5,7 +5,7 @@ use glam::{IVec3, UVec3, Vec3};
 use super::check::check;
 use super::surfaces::{contents, noise};
 use crate::mesh::{ContentsVersion, KeptMesh, Mesh, MeshError, MeshKind, VertexColours};
-use crate::progress::Report;
+use crate::progress::ProgressReport;
 use crate::scenes::{Random, grid_of};
 use crate::sculpture::history::Contents;
 use crate::sculpture::{Brick, Limits, Rgb};
@@ -154,7 +154,7 @@ fn a_version_that_was_missed_or_given_up_is_made_up_for() {
         expect_same(&mut kept, &before, &unchanged(1), "first");
         // Version 2 had the changes.
         expect_same(&mut kept, &now, &unchanged(3), "missed");
-        let report = Report::default();
+        let report = ProgressReport::default();
         report.cancel();
         let given_up = kept.update(&before, &unchanged(4), &Limits::default(), &report);
         assert!(matches!(given_up, Err(MeshError::Cancelled)));

@@ -5,7 +5,7 @@ use glam::{UVec3, Vec3};
 use super::check::{Sound, check, welded};
 use super::surfaces::{contents, mesh, noise};
 use crate::mesh::{Mesh, MeshError, MeshKind, simplified};
-use crate::progress::Report;
+use crate::progress::ProgressReport;
 use crate::scenes::{self, grid_of};
 use crate::sculpture::{Brick, Limits, Rgb};
 
@@ -111,7 +111,7 @@ fn colours_keep_their_places() {
 fn simplifying_can_be_cancelled() {
     let contents = contents(scenes::cheese(96, 40, 3).unwrap());
     let all = mesh(&contents, MeshKind::Faces);
-    let report = Report::default();
+    let report = ProgressReport::default();
     report.cancel();
     assert!(matches!(simplified(all, 100, &Limits::default(), &report), Err(MeshError::Cancelled)));
 }

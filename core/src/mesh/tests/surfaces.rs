@@ -6,7 +6,7 @@ use glam::{IVec3, UVec3, Vec3};
 
 use super::check::{Sound, check, welded};
 use crate::mesh::{Mesh, MeshError, MeshKind, VertexColours};
-use crate::progress::{Progress, Report};
+use crate::progress::{Progress, ProgressReport};
 use crate::refusal::{MemoryBudget, OverBudget};
 use crate::scenes::{self, Random, grid_of};
 use crate::sculpture::brick::{Brick, local_index};
@@ -255,7 +255,7 @@ fn faces_are_not_merged_where_colours_change() {
 #[test]
 fn a_cancelled_mesh_is_an_error() {
     let contents = contents(of_bits(UVec3::splat(8), |_| true));
-    let report = Report::default();
+    let report = ProgressReport::default();
     report.cancel();
     assert!(report.is_cancelled());
     for kind in KINDS {

@@ -51,7 +51,7 @@ pub struct Checkpoint {
 
 /// The first record of a journal.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
-pub struct Beginning {
+pub struct JournalBeginning {
     /// Version of the program.
     pub program: String,
     /// The process id of the writer.
@@ -65,7 +65,7 @@ pub struct Beginning {
     states: u64,
 }
 
-impl Beginning {
+impl JournalBeginning {
     pub fn limits(&self) -> Limits {
         let [grid_bytes, colour_bytes, history_bytes] = self.limits;
         let history_disk_bytes = self.history_disk_bytes;
@@ -88,7 +88,7 @@ impl Checkpoint {
         let DocumentSnapshot { contents, history, clip, settings, last_uses, state, states } =
             &self.document;
         let Limits { grid_bytes, colour_bytes, history_bytes, history_disk_bytes } = self.limits;
-        let beginning = Beginning {
+        let beginning = JournalBeginning {
             program: env!("CARGO_PKG_VERSION").to_string(),
             process: std::process::id(),
             began_unix_s,
@@ -134,12 +134,13 @@ impl Checkpoint {
     pub(super) fn read(
         records: &mut dyn Iterator<Item = Record>,
         limits: &Limits,
-    ) -> Result<Option<(Beginning, Checkpoint)>, FormatError> {
+    ) -> Result<Option<(JournalBeginning, Checkpoint)>, FormatError> {
         let Some(first) = records.next() else { return Ok(None) };
         if first.kind != BEGIN {
             return Err(DAMAGED);
         }
-        let beginning: Beginning = serde_json::from_slice(&first.payload).map_err(|_| DAMAGED)?;
+        let beginning: JournalBeginning =
+            serde_json::from_slice(&first.payload).map_err(|_| DAMAGED)?;
         let own = beginning.limits();
         let limits = Limits {
             grid_bytes: limits.grid_bytes.max(own.grid_bytes),

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::persist::dir::{FileDir, UNFINISHED, create_numbered};
-use crate::persist::files::{Appender, Disk, FileSystem, Source};
+use crate::persist::files::{Appender, Disk, FileSystem, InputFile};
 
 const JOURNAL: &str = "journal";
 
@@ -21,7 +21,7 @@ pub struct JournalDir {
 /// The state of the file at a number of the folder.
 pub enum AbandonedJournal {
     /// A journal that no session writes to, open and locked.
-    Journal(Source),
+    Journal(InputFile),
     /// The journal of a running session.
     InUse,
     /// It cannot be opened.

@@ -9,7 +9,7 @@ use crate::persist::frame::{RecordAppender, RecordBuffer};
 
 /// A file to which entries are appended.
 #[derive(Debug)]
-pub(super) struct Open {
+pub(super) struct GrowingJournal {
     file: RecordAppender,
     /// Total size of its records in bytes.
     pub bytes: u64,
@@ -19,11 +19,11 @@ pub(super) struct Open {
     syncing: Option<JoinHandle<std::io::Result<()>>>,
 }
 
-impl Open {
+impl GrowingJournal {
     /// Wraps an empty file.
-    pub fn new(file: Box<dyn Appender>) -> Open {
+    pub fn new(file: Box<dyn Appender>) -> GrowingJournal {
         let file = RecordAppender::new(file);
-        Open { file, bytes: 0, compact_at: u64::MAX, syncing: None }
+        GrowingJournal { file, bytes: 0, compact_at: u64::MAX, syncing: None }
     }
 
     /// Returns whether it still has a name.

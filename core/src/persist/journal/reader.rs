@@ -2,10 +2,10 @@
 
 use thiserror::Error;
 
-use super::checkpoint::{Beginning, Checkpoint};
+use super::checkpoint::{Checkpoint, JournalBeginning};
 use super::entry::JournalEntry;
 use crate::format::FormatError;
-use crate::persist::files::Source;
+use crate::persist::files::InputFile;
 use crate::persist::frame::{Ending, FileRecords};
 use crate::sculpture::Limits;
 
@@ -26,7 +26,7 @@ pub enum JournalError {
 /// A journal whose checkpoint has been read.
 pub struct JournalReader {
     records: FileRecords,
-    beginning: Beginning,
+    beginning: JournalBeginning,
     limits: Limits,
 }
 
@@ -34,7 +34,7 @@ impl JournalReader {
     /// Reads up to the end of the checkpoint. Contents may take as much as `limits` allow, or the limits of the
     /// recorded session if these are larger.
     pub fn open(
-        source: Source,
+        source: InputFile,
         limits: &Limits,
     ) -> Result<(JournalReader, Checkpoint), JournalError> {
         let mut records = FileRecords::new(source.reader, source.bytes)?;

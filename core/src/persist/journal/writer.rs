@@ -14,7 +14,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use super::checkpoint::Checkpoint;
 use super::dir::JournalDir;
 use super::entry::JournalEntry;
-use super::growing::{Open, Trouble};
+use super::growing::{GrowingJournal, Trouble};
 use super::live::{Live, LiveKey};
 
 /// Number of entries that may wait for the disk; more leave a gap that a checkpoint closes.
@@ -120,7 +120,7 @@ impl JournalWriter {
     ) -> std::io::Result<JournalWriter> {
         let (sender, receiver) = sync_channel(QUEUE);
         let shared = Arc::new(WriterState::default());
-        let mut work = Work {
+        let mut work = WriterThread {
             options: options.clone(),
             shared: shared.clone(),
             began_unix_s: SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs()),
@@ -265,13 +265,13 @@ impl Drop for JournalWriter {
 }
 
 /// The state of the thread.
-struct Work {
+struct WriterThread {
     options: JournalOptions,
     shared: Arc<WriterState>,
     began_unix_s: u64,
     number: Option<u64>,
     /// The journal as it is on disk. Kept open, and so locked, even where nothing can be written to it.
-    file: Option<Open>,
+    file: Option<GrowingJournal>,
     /// Whether entries are appended; false after one could not be.
     appends: bool,
     /// Whether the entries so far leave a stroke open.
@@ -289,10 +289,10 @@ struct Work {
     entries: u64,
 }
 
-impl Work {
+impl WriterThread {
     fn run(&mut self, receiver: &Receiver<Message>) {
         loop {
-            let is_syncing = self.file.as_ref().is_some_and(Open::is_syncing);
+            let is_syncing = self.file.as_ref().is_some_and(GrowingJournal::is_syncing);
             let look = is_syncing.then(|| Instant::now() + LOOK_EVERY);
             // One sync at a time: the next follows this one.
             let due = self.due.filter(|_| !is_syncing);
@@ -323,10 +323,10 @@ impl Work {
             if let Some(Err(error)) = self.file.as_mut().map(|open| open.end_sync(false)) {
                 self.fail(&error.into());
             }
-            let is_syncing = self.file.as_ref().is_some_and(Open::is_syncing);
+            let is_syncing = self.file.as_ref().is_some_and(GrowingJournal::is_syncing);
             if self.due.is_some_and(|due| due <= now && !is_syncing) {
                 self.due = None;
-                let begun = self.file.as_mut().map_or(Ok(()), Open::begin_sync);
+                let begun = self.file.as_mut().map_or(Ok(()), GrowingJournal::begin_sync);
                 if let Err(error) = begun {
                     self.fail(&error.into());
                 }
@@ -424,11 +424,11 @@ impl Work {
 
     /// Writes a journal that begins with the checkpoint, and replaces the present one.
     fn begin_anew(&mut self, checkpoint: &Checkpoint) -> Result<(), Trouble> {
-        let is_there = self.file.as_ref().is_some_and(Open::is_there);
+        let is_there = self.file.as_ref().is_some_and(GrowingJournal::is_there);
         let journal_dir = &self.options.journal_dir;
         // If the journal was removed, another session may have its number by now.
         let (number, file) = journal_dir.create(self.number.filter(|_| is_there))?;
-        let mut open = Open::new(file);
+        let mut open = GrowingJournal::new(file);
         let written = open
             .append_head()
             .map_err(Trouble::from)
@@ -455,7 +455,7 @@ impl Work {
 
     fn end(&mut self, remove: bool) {
         self.sync();
-        let is_there = self.file.as_ref().is_some_and(Open::is_there);
+        let is_there = self.file.as_ref().is_some_and(GrowingJournal::is_there);
         if let Some(number) = self.number.filter(|_| remove && is_there)
             && let Err(error) = self.options.journal_dir.remove(number)
         {

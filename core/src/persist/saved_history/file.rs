@@ -19,7 +19,7 @@ use crate::command::text::path_text;
 use crate::document::DocumentSnapshot;
 use crate::format::FormatError;
 use crate::format::history::{ContentsShape, read_step, write_step};
-use crate::persist::files::Source;
+use crate::persist::files::InputFile;
 use crate::persist::frame::{FileRecords, Record, RecordBuffer};
 use crate::persist::sculpture_file::SculptureFile;
 use crate::sculpture::history::{Contents, HistorySnapshot, State, Step};
@@ -38,7 +38,7 @@ const DAMAGED: FormatError = FormatError::Damaged("it has no known form");
 const CUT: FormatError = FormatError::Damaged("it is cut off or damaged");
 
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
-struct Beginning {
+struct HistoryBeginning {
     program: String,
     file: String,
     file_hash: String,
@@ -98,7 +98,7 @@ pub fn write(
     append: &mut dyn FnMut(RecordBuffer) -> std::io::Result<()>,
 ) -> Result<bool, FormatError> {
     let HistoryToKeep { path, file_hash, contents_hash, steps } = kept;
-    let beginning = Beginning {
+    let beginning = HistoryBeginning {
         program: env!("CARGO_PKG_VERSION").to_string(),
         file: path_text(path),
         file_hash: file_hash.to_string(),
@@ -158,13 +158,13 @@ fn nameless(file: &SculptureFile) -> SculptureFile {
 }
 
 /// Returns the path of the sculpture whose history a file holds.
-pub fn path_of(source: Source) -> Option<PathBuf> {
+pub fn path_of(source: InputFile) -> Option<PathBuf> {
     let first = FileRecords::new(source.reader, source.bytes).ok()?.next()?;
     let beginning = beginning(&first).ok()?;
     crate::command::text::parse_path(&beginning.file).ok()
 }
 
-fn beginning(first: &Record) -> Result<Beginning, FormatError> {
+fn beginning(first: &Record) -> Result<HistoryBeginning, FormatError> {
     if first.kind != BEGIN {
         return Err(DAMAGED);
     }
@@ -177,7 +177,7 @@ fn beginning(first: &Record) -> Result<Beginning, FormatError> {
 /// # Errors
 /// If any of it is damaged, missing, or made for something else.
 pub fn read(
-    source: Source,
+    source: InputFile,
     file_hash: Digest,
     contents: &Contents,
     limits: &Limits,

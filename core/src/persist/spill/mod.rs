@@ -23,7 +23,7 @@ use std::thread::JoinHandle;
 use file::{Folder, SpillFile, SpillPlace};
 use part_writer::{PartWriter, Stop};
 use parts::SpillPart;
-use space::Space;
+use space::FileSpace;
 use spilled_step::SpilledStep;
 
 use crate::format::history::write_step_to;
@@ -45,7 +45,7 @@ pub struct Spill {
 struct SharedSpill {
     place: Box<dyn PlaceSync>,
     file: Mutex<Option<Box<dyn SpillFile>>>,
-    state: Mutex<State>,
+    state: Mutex<SpillState>,
     /// Signals that the state has changed.
     changed: Condvar,
     /// Greatest size of the file in bytes.
@@ -60,10 +60,10 @@ trait PlaceSync: SpillPlace + Sync {}
 impl<P: SpillPlace + Sync> PlaceSync for P {}
 
 #[derive(Debug, Default)]
-struct State {
+struct SpillState {
     queue: VecDeque<Weak<SpilledStep>>,
     waiting_bytes: usize,
-    space: Space,
+    space: FileSpace,
     /// The reason why the first step of the queue could not be written. It stays there.
     blocked: Option<Blocked>,
     /// Whether the write is to be retried.
@@ -85,7 +85,7 @@ enum Blocked {
     Failed,
 }
 
-impl State {
+impl SpillState {
     /// Requests a retry; called when there may be more space than before.
     fn try_again_if_full(&mut self) {
         if matches!(self.blocked, Some(Blocked::Full)) {
@@ -135,7 +135,7 @@ impl Spill {
 
     /// Waits until the given steps are written, or cannot be.
     pub fn wait(&self) {
-        let goes_on = |state: &mut State| {
+        let goes_on = |state: &mut SpillState| {
             let wants = !state.queue.is_empty() && (state.blocked.is_none() || state.retry);
             wants || state.is_busy
         };
@@ -188,7 +188,7 @@ impl Drop for Spill {
 }
 
 impl SharedSpill {
-    fn state(&self) -> MutexGuard<'_, State> {
+    fn state(&self) -> MutexGuard<'_, SpillState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -197,8 +197,8 @@ impl SharedSpill {
     }
 
     /// Waits while `bytes` more would exceed the memory limit, unless writing is blocked.
-    fn make_room(&self, bytes: usize) -> MutexGuard<'_, State> {
-        let too_much = |state: &mut State| {
+    fn make_room(&self, bytes: usize) -> MutexGuard<'_, SpillState> {
+        let too_much = |state: &mut SpillState| {
             let waiting = state.waiting_bytes;
             let sum = waiting.saturating_add(bytes);
             state.blocked.is_none() && waiting > 0 && sum > self.max_waiting_bytes
@@ -209,14 +209,14 @@ impl SharedSpill {
 
     /// Waits until the thread has released a step that is no longer to be written.
     fn wait_for_release(&self, step: &Arc<Step>) {
-        let is_held = |state: &mut State| state.is_busy && Arc::strong_count(step) > 1;
+        let is_held = |state: &mut SpillState| state.is_busy && Arc::strong_count(step) > 1;
         drop(self.changed.wait_while(self.state(), is_held));
     }
 
     /// Runs the thread: writes waiting steps until the session ends.
     fn write_all(&self) {
         loop {
-            let idle = |state: &mut State| {
+            let idle = |state: &mut SpillState| {
                 let nothing = state.queue.is_empty() || (state.blocked.is_some() && !state.retry);
                 nothing && !state.has_ended
             };

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 
 /// The parts of a file that are in use.
 #[derive(Debug, Default)]
-pub struct Space {
+pub struct FileSpace {
     /// The start of each part and its size in bytes.
     parts: BTreeMap<u64, u64>,
 }
 
-impl Space {
+impl FileSpace {
     /// Allocates a part of `bytes` that ends within the first `end` bytes. `None` if there is no room.
     pub fn take(&mut self, bytes: u64, end: u64) -> Option<u64> {
         let bytes = bytes.max(1);
@@ -49,7 +49,7 @@ mod tests {
             moves in prop::collection::vec((1u64..9, any::<prop::sample::Index>(), any::<bool>()), 0..60),
             end in 1u64..64,
         ) {
-            let mut space = Space::default();
+            let mut space = FileSpace::default();
             let mut used = vec![false; end as usize];
             let mut parts: Vec<(u64, u64)> = Vec::new();
             for (bytes, place, takes) in moves {

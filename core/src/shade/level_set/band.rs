@@ -18,7 +18,7 @@ const EDGE: usize = 10;
 /// The bits of a row, for each y and z.
 type Rows = [[u16; EDGE]; EDGE];
 /// A plane for each voxel.
-type Planes = [[[SurfacePlane; EDGE]; EDGE]; EDGE];
+type BrickPlanes = [[[SurfacePlane; EDGE]; EDGE]; EDGE];
 
 /// A brick with the surface in it and around it.
 pub(super) struct Band {
@@ -26,7 +26,7 @@ pub(super) struct Band {
     existing: Rows,
     surface: Rows,
     /// The planes of the surface voxels, moved for thin parts; unspecified for other voxels.
-    planes: Planes,
+    planes: BrickPlanes,
     /// Voxels of the brick that touch a surface voxel, or are one.
     near: Rows,
 }
@@ -169,7 +169,7 @@ fn planes(
     bricks: &BricksAround,
     surface: &Rows,
     plane: impl Fn(IVec3) -> Option<SurfacePlane>,
-) -> Planes {
+) -> BrickPlanes {
     let mut planes = [[[(Vec3::ZERO, NO_NORMAL_DEPTH); EDGE]; EDGE]; EDGE];
     let rows = surface.iter().zip(&mut planes).zip(-1..);
     for ((rows, planes), z) in rows {

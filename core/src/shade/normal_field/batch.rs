@@ -15,7 +15,7 @@ use super::cells::{
 };
 use super::packed::{PackedDepth, PackedNormal};
 use super::pages::SurfaceRecord;
-use super::window::{BrickSamples, Sums, SurfaceMask, Wanted, sample};
+use super::window::{BrickSamples, SurfaceMask, Wanted, WindowSums, sample};
 use crate::sculpture::Grid;
 use crate::sculpture::brick::BrickKind;
 use crate::shade::occlusion::Filled;
@@ -53,7 +53,7 @@ pub struct Batch {
     /// For each brick of the box, its stage; then its index in `bricks`.
     stages: Vec<u8>,
     places: Vec<u32>,
-    bricks: Vec<Place>,
+    bricks: Vec<BrickTask>,
     samples: Vec<Sampled>,
     filtered: Vec<CellNormals>,
     records: Vec<Vec<SurfaceRecord>>,
@@ -63,7 +63,7 @@ pub struct Batch {
 
 /// A brick to compute.
 #[derive(Clone, Copy, Debug)]
-struct Place {
+struct BrickTask {
     brick: IVec3,
     index: u32,
     stage: u8,
@@ -81,7 +81,7 @@ struct Sampled {
 
 impl Sampled {
     /// Takes the samples of a brick and merges them into cells.
-    fn take_samples(&mut self, level: Level, grid: &Grid, place: &Place) {
+    fn take_samples(&mut self, level: Level, grid: &Grid, place: &BrickTask) {
         SCRATCH.with_borrow_mut(|scratch| {
             dispatch!(level, simd => {
                 let wanted = Wanted { words: place.words, filling: place.stage == TARGET };
@@ -101,7 +101,7 @@ fn refine<'a>(
     records: &mut Vec<SurfaceRecord>,
 ) {
     SCRATCH.with_borrow_mut(|scratch| {
-        let Scratch { neighbourhood, filled, .. } = &mut **scratch;
+        let BrickScratch { neighbourhood, filled, .. } = &mut **scratch;
         filled.clear();
         for (z, layer) in samples.mask.layers.into_iter().enumerate() {
             filled.extend(bits(layer).map(|bit| samples.filling[64 * z + bit]));
@@ -152,15 +152,15 @@ impl SurfaceOf<'_> {
 
 /// The buffers that a thread needs for one brick.
 #[derive(Default)]
-struct Scratch {
-    sums: Sums,
+struct BrickScratch {
+    sums: WindowSums,
     neighbourhood: Neighbourhood,
     /// The filled part around each surface voxel.
     filled: Vec<Filled>,
 }
 
 thread_local! {
-    static SCRATCH: RefCell<Box<Scratch>> = RefCell::default();
+    static SCRATCH: RefCell<Box<BrickScratch>> = RefCell::default();
 }
 
 impl Batch {
@@ -220,7 +220,7 @@ impl Batch {
             });
             return;
         }
-        let filter = |place: &Place, out: &mut CellNormals| {
+        let filter = |place: &BrickTask, out: &mut CellNormals| {
             let around = |offset| Some(&samples[place_of(place.brick + offset)?].cells);
             SCRATCH.with_borrow_mut(|scratch| {
                 let neighbourhood = &mut scratch.neighbourhood;
@@ -230,7 +230,7 @@ impl Batch {
         for_each(&bricks[..middle], &mut filtered[..middle], &filter);
 
         let filtered = &filtered[..middle];
-        let finish = |place: &Place, out: &mut Vec<SurfaceRecord>| {
+        let finish = |place: &BrickTask, out: &mut Vec<SurfaceRecord>| {
             out.clear();
             let Some(own) = place_of(place.brick) else { return };
             let own = &samples[own].samples;
@@ -323,7 +323,13 @@ impl Batch {
                             self.places[at] = self.bricks.len() as u32;
                             let index = grid.brick_index(brick.as_uvec3()) as u32;
                             let (words, cells) = self.parts_for_others(brick - corner, wanted);
-                            self.bricks.push(Place { brick, index, stage: wanted, words, cells });
+                            self.bricks.push(BrickTask {
+                                brick,
+                                index,
+                                stage: wanted,
+                                words,
+                                cells,
+                            });
                         }
                     }
                 }
@@ -333,7 +339,11 @@ impl Batch {
 }
 
 /// Calls `compute` for each pair, on all cores. The closure is a trait object, so that the loop is compiled once.
-fn for_each<T: Send>(places: &[Place], out: &mut [T], compute: &(dyn Fn(&Place, &mut T) + Sync)) {
+fn for_each<T: Send>(
+    places: &[BrickTask],
+    out: &mut [T],
+    compute: &(dyn Fn(&BrickTask, &mut T) + Sync),
+) {
     places.par_iter().zip(out).with_min_len(4).for_each(|(place, out)| compute(place, out));
 }
 

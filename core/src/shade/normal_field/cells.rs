@@ -70,7 +70,7 @@ impl Default for MergedSamples {
 }
 
 /// Weighted sums over the cells around a point.
-struct Sums {
+struct CellSums {
     weight: f32,
     normal: Vec3,
     /// Sum of the offsets of the cells from the point.
@@ -256,7 +256,7 @@ impl Neighbourhood {
 
     /// Returns the weighted sums for a point with an estimate of its normal.
     #[inline(always)]
-    fn sum<S: Simd>(&self, simd: S, at: Vec3, estimate: Vec3, reach_vx: f32) -> Sums {
+    fn sum<S: Simd>(&self, simd: S, at: Vec3, estimate: Vec3, reach_vx: f32) -> CellSums {
         let zero = f32x16::splat(simd, 0.0);
         let (mut normals, mut offsets) = ([zero; 3], [zero; 3]);
         let (mut weights, mut heights) = (zero, zero);
@@ -289,7 +289,7 @@ impl Neighbourhood {
         let [weight, normal_x, normal_y, normal_z] = sums_of(simd, [weights, x, y, z]);
         let [x, y, z] = offsets;
         let [height, offset_x, offset_y, offset_z] = sums_of(simd, [heights, x, y, z]);
-        Sums {
+        CellSums {
             weight,
             normal: Vec3::new(normal_x, normal_y, normal_z),
             offset: Vec3::new(offset_x, offset_y, offset_z),
@@ -425,7 +425,7 @@ pub fn filter_voxels<'a, S: Simd>(
 /// below the one plane by as much as `at` lies below the other, so the mean has no bias. Their difference gives the
 /// curvature, and with it the displacement of the surface by smoothing the bits.
 #[inline(always)]
-fn depth(voxel: Vec3, at: Vec3, normal: Vec3, sums: &Sums) -> f32 {
+fn depth(voxel: Vec3, at: Vec3, normal: Vec3, sums: &CellSums) -> f32 {
     let normal = normal.normalize_or_zero();
     if sums.weight <= LEAST_WEIGHT {
         return (at - voxel).dot(normal);

@@ -77,16 +77,16 @@ impl SurfaceRecord {
 /// The beginning of a page. Its records follow.
 #[repr(C)]
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Pod, Zeroable)]
-struct Head {
+struct PageHeader {
     /// The surface voxels: a word per z, bit `x + 8 y`.
     layers: [u64; 8],
     /// Surface voxels before each layer.
     before: [u16; 8],
 }
 
-impl Head {
-    fn of(mask: &SurfaceMask) -> Head {
-        let mut head = Head { layers: mask.layers, before: [0; 8] };
+impl PageHeader {
+    fn of(mask: &SurfaceMask) -> PageHeader {
+        let mut head = PageHeader { layers: mask.layers, before: [0; 8] };
         let mut before = 0;
         for (count, layer) in head.before.iter_mut().zip(mask.layers) {
             *count = before;
@@ -171,7 +171,7 @@ impl Pages {
         sum
     }
 
-    fn head(&self, page: u32) -> &Head {
+    fn head(&self, page: u32) -> &PageHeader {
         let numbers = &self.units[page as usize].0[..HEAD_NUMBERS];
         bytemuck::from_bytes(bytemuck::cast_slice(numbers))
     }
@@ -190,7 +190,7 @@ impl Pages {
             return (NO_PAGE, page != NO_PAGE);
         }
         let former = *self.head(page);
-        let head = Head::of(mask);
+        let head = PageHeader::of(mask);
         let units = units_for(records.len());
         let fits = page != NO_PAGE && units_for(former.count()) == units;
         if !fits {

@@ -152,7 +152,7 @@ impl BrickSamples {
 
 /// Sums over the cube, smoothed or differentiated along x, then y: memory for [`sample`].
 #[derive(Debug)]
-pub struct Sums {
+pub struct WindowSums {
     /// Along x: `[z][y][x]` over the cube's y and z and the brick's x.
     row: [[[u16; EDGE]; CUBE]; CUBE],
     row_slope: [[[i16; EDGE]; CUBE]; CUBE],
@@ -162,10 +162,10 @@ pub struct Sums {
     layer_slope_y: [[[f32; EDGE]; EDGE]; CUBE],
 }
 
-impl Default for Sums {
-    fn default() -> Sums {
+impl Default for WindowSums {
+    fn default() -> WindowSums {
         let layers = [[[0.0; EDGE]; EDGE]; CUBE];
-        Sums {
+        WindowSums {
             row: [[[0; EDGE]; CUBE]; CUBE],
             row_slope: [[[0; EDGE]; CUBE]; CUBE],
             layer: layers,
@@ -191,7 +191,7 @@ pub fn sample<S: Simd>(
     grid: &Grid,
     brick: IVec3,
     wanted: Wanted,
-    sums: &mut Sums,
+    sums: &mut WindowSums,
     samples: &mut BrickSamples,
 ) {
     samples.clear();
@@ -304,7 +304,7 @@ fn surface_mask(rows: &[[u16; CUBE]; CUBE], words: u8) -> SurfaceMask {
 
 /// Sums the selected lines and layers along x.
 #[inline(always)]
-fn sum_rows(rows: &[[u16; CUBE]; CUBE], [lines, layers]: [u32; 2], sums: &mut Sums) {
+fn sum_rows(rows: &[[u16; CUBE]; CUBE], [lines, layers]: [u32; 2], sums: &mut WindowSums) {
     let table = &**ROWS;
     let sums_of_layers = sums.row.iter_mut().zip(&mut sums.row_slope);
     for (z, (rows, (sums, slopes))) in rows.iter().zip(sums_of_layers).enumerate() {
@@ -326,7 +326,7 @@ fn sum_rows(rows: &[[u16; CUBE]; CUBE], [lines, layers]: [u32; 2], sums: &mut Su
 
 /// Sums the selected lines and layers along y, four rows at a time; rows that are not selected are unspecified.
 #[inline(always)]
-fn sum_layers<S: Simd>(simd: S, [lines, layers]: [u32; 2], sums: &mut Sums) {
+fn sum_layers<S: Simd>(simd: S, [lines, layers]: [u32; 2], sums: &mut WindowSums) {
     for z in 0..CUBE {
         if layers >> z & 1 == 0 {
             continue;
@@ -376,7 +376,7 @@ fn load<S: Simd>(simd: S, layer: &[[f32; EDGE]; EDGE], first: usize) -> f32x16<S
 #[inline(always)]
 fn sum_columns<S: Simd>(
     simd: S,
-    sums: &Sums,
+    sums: &WindowSums,
     [y, z]: [usize; 2],
     bits: u32,
     samples: &mut BrickSamples,

@@ -64,7 +64,7 @@ struct PacketRays<S: Simd> {
 }
 
 /// The entry of rays into a brick.
-struct Entry<S: Simd> {
+struct BrickEntry<S: Simd> {
     /// The planes of each axis that are crossed before these times come before the entry.
     before: [f32x16<S>; 3],
     /// The rays that pass through the brick.
@@ -126,7 +126,7 @@ impl<S: Simd> PacketRays<S> {
     }
 
     #[inline(always)]
-    fn entry(&self, brick: &PacketBrick) -> Entry<S> {
+    fn entry(&self, brick: &PacketBrick) -> BrickEntry<S> {
         let inverse = &self.inverse;
         // The times at which the rays enter and leave the brick's slab of each axis.
         let [(near_x, far_x), (near_y, far_y), (near_z, far_z)] = for_axes(
@@ -146,12 +146,12 @@ impl<S: Simd> PacketRays<S> {
         let before =
             [by_y.select(after, entry), by_z.select(after, entry), start.select(after, entry)];
         let passes = far_x.simd_ge(before[0]) & far_y.simd_ge(before[1]) & far_z.simd_ge(before[2]);
-        Entry { before, passes }
+        BrickEntry { before, passes }
     }
 
     /// Returns the voxels entered: on each axis, advanced by the number of planes crossed before the entry.
     #[inline(always)]
-    fn enter(&self, brick: &PacketBrick, entry: &Entry<S>) -> Entered<S> {
+    fn enter(&self, brick: &PacketBrick, entry: &BrickEntry<S>) -> Entered<S> {
         let splat = |v: f32| f32x16::splat(self.simd, v);
         let (eye, inverse) = (self.eye, &self.inverse);
         let backward = for_axes(

@@ -50,7 +50,7 @@ pub(super) fn rebuild(
             let brick_dims = exposure.brick_dims();
             let first = slab as u32 * slab_bricks;
             let end = (first + slab_bricks).min(brick_dims[axis]);
-            let sums = Sums::new(slab_size(axis, brick_dims), |uv| {
+            let sums = SummedAreaTable::new(slab_size(axis, brick_dims), |uv| {
                 (first..end).any(|layer| exposure.get(brick_of(axis, layer, uv)))
             });
             divide(&sums, SliceArea { min: UVec2::ZERO, max: sums.size }, areas);
@@ -59,13 +59,13 @@ pub(super) fn rebuild(
 }
 
 /// A summed-area table (Crow 1984) of the bricks that need drawing, so that any rectangle is counted with four lookups.
-struct Sums {
+struct SummedAreaTable {
     size: UVec2,
     counts: Vec<u32>,
 }
 
-impl Sums {
-    fn new(size: UVec2, needs_drawing: impl Fn(UVec2) -> bool) -> Sums {
+impl SummedAreaTable {
+    fn new(size: UVec2, needs_drawing: impl Fn(UVec2) -> bool) -> SummedAreaTable {
         let stride = size.x as usize + 1;
         let mut counts = vec![0; stride * (size.y as usize + 1)];
         for y in 0..size.y {
@@ -76,7 +76,7 @@ impl Sums {
                 counts[i] = counts[i - stride] + row;
             }
         }
-        Sums { size, counts }
+        SummedAreaTable { size, counts }
     }
 
     fn at(&self, x: u32, y: u32) -> u32 {
@@ -113,7 +113,7 @@ impl Sums {
 }
 
 /// Appends the cheapest areas found for the bricks in `area`. Returns their cost in bricks.
-fn divide(sums: &Sums, area: SliceArea, areas: &mut SlabAreas) -> u32 {
+fn divide(sums: &SummedAreaTable, area: SliceArea, areas: &mut SlabAreas) -> u32 {
     let count = sums.count(area);
     if count == 0 {
         return 0;
@@ -141,7 +141,7 @@ fn divide(sums: &Sums, area: SliceArea, areas: &mut SlabAreas) -> u32 {
 /// Returns the best split of a rectangle: at the sharpest edge of its contents, as in Berger and Rigoutsos, "An
 /// algorithm for point clustering and grid generation" (1991). That is the strongest change of sign in the second
 /// difference of the counts per row or column; if there is none, the middle of the longer axis.
-fn best_split(sums: &Sums, area: SliceArea) -> (usize, u32) {
+fn best_split(sums: &SummedAreaTable, area: SliceArea) -> (usize, u32) {
     let size = area.max - area.min;
     let longer = usize::from(size.y > size.x);
     let mut best = (longer, area.min[longer] + size[longer] / 2);

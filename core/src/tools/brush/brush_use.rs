@@ -10,7 +10,7 @@ use super::footprint::{Footprint, MAX_FOOTPRINT};
 use super::keys::COLOUR;
 use super::limits::{MAX_PULL_VX, MAX_RADIUS, MIN_RADIUS};
 use super::options::ParamValues;
-use super::param::{Key, Omitted, Param, ParamValue, Value};
+use super::param::{Key, Omitted, OptionValue, Param, ParamValue};
 use crate::refusal::InvalidValue;
 
 /// The name by which errors call any brush.
@@ -88,7 +88,7 @@ impl BrushUse {
     /// Creates a use with the values that a script need not state.
     pub fn new(brush: BrushId, contact: Contact) -> BrushUse {
         let omitted = |param: &Param| match param.omitted {
-            Omitted::Required | Omitted::InsteadOf(..) => Value::Absent,
+            Omitted::Required | Omitted::InsteadOf(..) => OptionValue::Absent,
             Omitted::Is(value) | Omitted::Unwritten(value) => value,
         };
         let values = ParamValues::new(brush.spec().params(), omitted);
@@ -118,7 +118,7 @@ impl BrushUse {
     }
 
     /// Sets the value of a parameter given by its name.
-    pub fn set_value(&mut self, key: &str, value: Value) {
+    pub fn set_value(&mut self, key: &str, value: OptionValue) {
         self.values.set(self.brush.spec().params(), key, value);
     }
 
@@ -127,8 +127,8 @@ impl BrushUse {
         let params = self.brush.spec().params();
         for param in params {
             if let Omitted::InsteadOf(other, value) = param.omitted
-                && self.values.get(params, other) == Some(Value::Absent)
-                && self.values.get(params, param.key) == Some(Value::Absent)
+                && self.values.get(params, other) == Some(OptionValue::Absent)
+                && self.values.get(params, param.key) == Some(OptionValue::Absent)
             {
                 self.set_value(param.key, value);
             }
@@ -147,9 +147,9 @@ impl BrushUse {
     }
 
     /// Returns the value of a parameter given by its name, if it has one.
-    pub(crate) fn value(&self, key: &str) -> Option<Value> {
+    pub(crate) fn value(&self, key: &str) -> Option<OptionValue> {
         let value = self.values.get(self.brush.spec().params(), key);
-        value.filter(|value| *value != Value::Absent)
+        value.filter(|value| *value != OptionValue::Absent)
     }
 
     /// Returns the value of a parameter that has passed the check.
@@ -158,7 +158,7 @@ impl BrushUse {
     }
 
     /// Returns all parameters with their values, in the order of the text form.
-    pub fn iter(&self) -> impl Iterator<Item = (&'static Param, Value)> + use<> {
+    pub fn iter(&self) -> impl Iterator<Item = (&'static Param, OptionValue)> + use<> {
         self.values.iter(self.brush.spec().params())
     }
 
@@ -212,14 +212,14 @@ impl BrushUse {
                 // An image has its own colours.
                 Omitted::Required => self.picture.is_none() || param.key != COLOUR.param.key,
                 Omitted::InsteadOf(other, _) => {
-                    self.values.get(self.brush.spec().params(), other) == Some(Value::Absent)
+                    self.values.get(self.brush.spec().params(), other) == Some(OptionValue::Absent)
                 }
                 Omitted::Is(_) | Omitted::Unwritten(_) => false,
             };
-            if value == Value::Absent && is_needed {
+            if value == OptionValue::Absent && is_needed {
                 return Err(InvalidValue::without_value(param.key, "is missing"));
             }
-            if value != Value::Absent && !param.allows(value, MIN_RADIUS..=MAX_RADIUS) {
+            if value != OptionValue::Absent && !param.allows(value, MIN_RADIUS..=MAX_RADIUS) {
                 return Err(InvalidValue::new(param.key, param.rule(), value));
             }
         }

@@ -3,7 +3,7 @@
 use super::BrushUse;
 use super::change::{BrushChange, Site};
 use super::falloff::Falloff;
-use super::kernel::offset::{self, Profile};
+use super::kernel::offset::{self, OffsetProfile};
 use super::keys::{FALLOFF, HEIGHT, RADIUS, STEADY, STRENGTH};
 use super::spec::{BrushSpec, BrushStroke, ContactKind, Inverse, Keeps, Script, SurfaceNormal};
 use crate::refusal::InvalidValue;
@@ -33,5 +33,5 @@ pub const SPEC: BrushSpec = BrushSpec {
 };
 
 fn apply(used: &BrushUse, site: &Site) -> Result<BrushChange, InvalidValue> {
-    Ok(offset::along_normal(used, site, Profile::Squared))
+    Ok(offset::along_normal(used, site, OffsetProfile::Squared))
 }

@@ -98,7 +98,7 @@ pub struct Footprint {
 
 /// A surface voxel under a footprint, and its distance from the footprint's centre (0) to its rim (1).
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Touch {
+pub struct TouchedVoxel {
     /// The voxel.
     pub voxel: IVec3,
     /// The distance of the voxel's centre, or of the first ray that met it.

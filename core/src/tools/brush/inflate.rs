@@ -1,7 +1,7 @@
 //! Inflate: swells the surface under it; inverted, it shrinks it.
 
 use super::change::{BrushChange, Site};
-use super::kernel::offset::{self, Target};
+use super::kernel::offset::{self, OffsetTarget};
 use super::keys::{FALLOFF, HEIGHT, RADIUS, STEADY, STRENGTH};
 use super::spec::{BrushSpec, ContactKind, Inverse, Keeps, Script};
 use super::{BrushDirection, BrushUse};
@@ -33,5 +33,5 @@ pub const SPEC: BrushSpec = BrushSpec {
 };
 
 fn apply(used: &BrushUse, site: &Site) -> Result<BrushChange, InvalidValue> {
-    Ok(offset::change(used, site, |_| Target::Along(used.get(HEIGHT))))
+    Ok(offset::change(used, site, |_| OffsetTarget::Along(used.get(HEIGHT))))
 }

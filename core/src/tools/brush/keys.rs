@@ -4,7 +4,7 @@
 use super::falloff::Falloff;
 use super::footprint::Outline;
 use super::limits::{MAX_HEIGHT, MAX_REACH_VX, MAX_TWIST_DEG};
-use super::param::{Choice, Domain, Key, Omitted, Param, ParamValue, Unit, Value};
+use super::param::{Choice, Domain, Key, Omitted, OptionValue, Param, ParamValue, Unit};
 use crate::sculpture::Rgb;
 
 /// Greatest length of the rope, in pixels.
@@ -16,7 +16,7 @@ const BASE: Param = Param {
     help: "",
     domain: Domain::Switch,
     unit: Unit::Plain,
-    first: Value::On(false),
+    first: OptionValue::On(false),
     omitted: Omitted::Required,
     logarithmic: false,
     needs_pointer: false,
@@ -28,7 +28,7 @@ pub const RADIUS: Key<f32> = Key::new(Param {
     label: "Radius",
     help: "Radius of the brush",
     domain: Domain::Radius,
-    first: Value::Number(20.0),
+    first: OptionValue::Number(20.0),
     logarithmic: true,
     ..BASE
 });
@@ -42,7 +42,7 @@ pub const OUTLINE: Key<Outline> = Key::new(Param {
         Choice { name: Outline::Round.name(), help: "Circular brush" },
         Choice { name: Outline::Square.name(), help: "Square brush" },
     ]),
-    first: Value::Choice(0),
+    first: OptionValue::Choice(0),
     ..BASE
 });
 
@@ -53,8 +53,8 @@ pub const REACH: Key<f32> = Key::new(Param {
     help: "Greatest distance of changed voxels from the surface",
     domain: Domain::Number([0.0, MAX_REACH_VX]),
     unit: Unit::Voxels,
-    first: Value::Number(3.0),
-    omitted: Omitted::Is(Value::Number(3.0)),
+    first: OptionValue::Number(3.0),
+    omitted: Omitted::Is(OptionValue::Number(3.0)),
     logarithmic: true,
     ..BASE
 });
@@ -74,8 +74,8 @@ pub const BITE: Key<Outline> = Key::new(Param {
         Choice { name: Outline::Round.name(), help: "Cut balls" },
         Choice { name: Outline::Square.name(), help: "Cut cubes" },
     ]),
-    first: Value::Choice(0),
-    omitted: Omitted::Is(Value::Choice(0)),
+    first: OptionValue::Choice(0),
+    omitted: Omitted::Is(OptionValue::Choice(0)),
     ..BASE
 });
 
@@ -85,8 +85,8 @@ pub const THRESHOLD: Key<u32> = Key::new(Param {
     label: "Threshold",
     help: "Fills gaps with at least this many of their 26 neighbours; 10 or more keeps flat faces",
     domain: Domain::Whole([1, 26]),
-    first: Value::Whole(14),
-    omitted: Omitted::Is(Value::Whole(14)),
+    first: OptionValue::Whole(14),
+    omitted: Omitted::Is(OptionValue::Whole(14)),
     ..BASE
 });
 
@@ -97,8 +97,8 @@ pub const STRENGTH: Key<f32> = Key::new(Param {
     help: "Strength of each use",
     domain: Domain::Number([0.0, 1.0]),
     unit: Unit::Share,
-    first: Value::Number(1.0),
-    omitted: Omitted::Is(Value::Number(1.0)),
+    first: OptionValue::Number(1.0),
+    omitted: Omitted::Is(OptionValue::Number(1.0)),
     ..BASE
 });
 
@@ -119,7 +119,7 @@ pub const STEADY: Key<f32> = Key::new(Param {
            rope",
     domain: Domain::Number([0.0, MAX_STEADY_PX]),
     unit: Unit::Pixels,
-    first: Value::Number(0.0),
+    first: OptionValue::Number(0.0),
     needs_pointer: true,
     ..BASE
 });
@@ -143,8 +143,8 @@ pub const FALLOFF: Key<Falloff> = Key::new(Param {
             help: "Constant around the centre, then decreasing, as if moved by hand",
         },
     ]),
-    first: Value::Choice(0),
-    omitted: Omitted::Is(Value::Choice(0)),
+    first: OptionValue::Choice(0),
+    omitted: Omitted::Is(OptionValue::Choice(0)),
     ..BASE
 });
 
@@ -164,7 +164,7 @@ pub const COVER: Key<f32> = Key::new(Param {
     help: "Opacity of the colour in each pass",
     domain: Domain::Number([0.0, 1.0]),
     unit: Unit::Share,
-    omitted: Omitted::Is(Value::Number(1.0)),
+    omitted: Omitted::Is(OptionValue::Number(1.0)),
     ..BASE
 });
 
@@ -175,7 +175,7 @@ pub const AROUND: Key<u32> = Key::new(Param {
     help: "Reach of the neighbourhood of the majority filter, in voxels",
     domain: Domain::Whole([1, 8]),
     unit: Unit::Voxels,
-    omitted: Omitted::InsteadOf(STRENGTH.param.key, Value::Whole(2)),
+    omitted: Omitted::InsteadOf(STRENGTH.param.key, OptionValue::Whole(2)),
     ..BASE
 });
 
@@ -185,7 +185,7 @@ pub const ROUNDING: Key<f32> = Key::new(Param {
     label: "Rounding",
     help: "Distance that the surface must have moved towards the next voxel for it to change",
     domain: Domain::Number([0.0, 1.0]),
-    omitted: Omitted::Unwritten(Value::Number(super::kernel::level::Level::NEAREST)),
+    omitted: Omitted::Unwritten(OptionValue::Number(super::kernel::level::Level::NEAREST)),
     ..BASE
 });
 
@@ -209,35 +209,35 @@ pub const ANGLE: Key<f32> = Key::new(Param {
 });
 
 impl ParamValue for Outline {
-    fn from_value(value: Value) -> Option<Outline> {
+    fn from_value(value: OptionValue) -> Option<Outline> {
         of_choice(&Outline::ALL, value)
     }
 
-    fn to_value(self) -> Value {
-        Value::Choice(self as u8)
+    fn to_value(self) -> OptionValue {
+        OptionValue::Choice(self as u8)
     }
 }
 
 impl ParamValue for Falloff {
-    fn from_value(value: Value) -> Option<Falloff> {
+    fn from_value(value: OptionValue) -> Option<Falloff> {
         of_choice(&Falloff::ALL, value)
     }
 
-    fn to_value(self) -> Value {
-        Value::Choice(self as u8)
+    fn to_value(self) -> OptionValue {
+        OptionValue::Choice(self as u8)
     }
 }
 
 impl Key<Falloff> {
     /// Returns the same option with another default.
     pub(super) const fn first(mut self, falloff: Falloff) -> Key<Falloff> {
-        self.param.first = Value::Choice(falloff as u8);
+        self.param.first = OptionValue::Choice(falloff as u8);
         self
     }
 }
 
-fn of_choice<T: Copy>(all: &[T], value: Value) -> Option<T> {
-    let Value::Choice(place) = value else { return None };
+fn of_choice<T: Copy>(all: &[T], value: OptionValue) -> Option<T> {
+    let OptionValue::Choice(place) = value else { return None };
     all.get(usize::from(place)).copied()
 }
 
@@ -261,7 +261,7 @@ mod tests {
         for falloff in Falloff::ALL {
             assert_eq!(Falloff::from_value(falloff.to_value()), Some(falloff));
         }
-        assert_eq!(Outline::from_value(Value::Choice(2)), None);
-        assert_eq!(Falloff::from_value(Value::Number(0.0)), None);
+        assert_eq!(Outline::from_value(OptionValue::Choice(2)), None);
+        assert_eq!(Falloff::from_value(OptionValue::Number(0.0)), None);
     }
 }

@@ -1,27 +1,27 @@
 //! The values of a brush: one for each parameter that its description lists, in interactive use or in a command.
 
 use super::BrushId;
-use super::param::{Key, Param, ParamValue, Value};
+use super::param::{Key, OptionValue, Param, ParamValue};
 
 /// Greatest number of parameters in a list.
 const MOST: usize = 8;
 
 /// A value for each parameter of a list, which the owner knows. Unused ones are absent.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(super) struct ParamValues([Value; MOST]);
+pub(super) struct ParamValues([OptionValue; MOST]);
 
 impl ParamValues {
-    pub fn new(params: &[Param], value: impl Fn(&Param) -> Value) -> ParamValues {
-        let mut values = [Value::Absent; MOST];
+    pub fn new(params: &[Param], value: impl Fn(&Param) -> OptionValue) -> ParamValues {
+        let mut values = [OptionValue::Absent; MOST];
         values.iter_mut().zip(params).for_each(|(slot, param)| *slot = value(param));
         ParamValues(values)
     }
 
-    pub fn get(&self, params: &[Param], key: &str) -> Option<Value> {
+    pub fn get(&self, params: &[Param], key: &str) -> Option<OptionValue> {
         place(params, key).map(|place| self.0[place])
     }
 
-    pub fn set(&mut self, params: &[Param], key: &str, value: Value) {
+    pub fn set(&mut self, params: &[Param], key: &str, value: OptionValue) {
         if let Some(place) = place(params, key) {
             self.0[place] = value;
         }
@@ -30,7 +30,7 @@ impl ParamValues {
     pub fn iter(
         self,
         params: &'static [Param],
-    ) -> impl Iterator<Item = (&'static Param, Value)> + use<> {
+    ) -> impl Iterator<Item = (&'static Param, OptionValue)> + use<> {
         params.iter().zip(self.0)
     }
 }
@@ -87,12 +87,12 @@ impl BrushOptions {
     }
 
     /// Sets an option given by its name.
-    pub fn set_value(&mut self, key: &str, value: Value) {
+    pub fn set_value(&mut self, key: &str, value: OptionValue) {
         self.values.set(self.params(), key, value);
     }
 
     /// Returns all options with their values, in the order in which panels show them.
-    pub fn iter(&self) -> impl Iterator<Item = (&'static Param, Value)> + use<> {
+    pub fn iter(&self) -> impl Iterator<Item = (&'static Param, OptionValue)> + use<> {
         self.values.iter(self.params())
     }
 
@@ -136,7 +136,7 @@ mod tests {
         assert_eq!(options.get(OUTLINE), Outline::Round);
         let before = options;
         options.set(STEADY, 50.0);
-        options.set_value("no such option", Value::On(true));
+        options.set_value("no such option", OptionValue::On(true));
         assert_eq!(options, before);
         assert!(!options.has(STEADY) && options.get(STEADY) == 0.0);
         assert_eq!((options.get(STRENGTH), options.get(FALLOFF).name()), (1.0, "smooth"));

@@ -11,7 +11,7 @@ use crate::sculpture::Rgb;
 
 /// A value of an option.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub enum Value {
+pub enum OptionValue {
     /// No value.
     Absent,
     /// A number, in the unit of the option; shares from 0 to 1.
@@ -26,15 +26,15 @@ pub enum Value {
     Colour(Rgb),
 }
 
-impl fmt::Display for Value {
+impl fmt::Display for OptionValue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Value::Absent => f.write_str("nothing"),
-            Value::Number(number) => number.fmt(f),
-            Value::Whole(count) => count.fmt(f),
-            Value::On(on) => f.write_str(if *on { "on" } else { "off" }),
-            Value::Choice(place) => place.fmt(f),
-            Value::Colour(colour) => colour.fmt(f),
+            OptionValue::Absent => f.write_str("nothing"),
+            OptionValue::Number(number) => number.fmt(f),
+            OptionValue::Whole(count) => count.fmt(f),
+            OptionValue::On(on) => f.write_str(if *on { "on" } else { "off" }),
+            OptionValue::Choice(place) => place.fmt(f),
+            OptionValue::Colour(colour) => colour.fmt(f),
         }
     }
 }
@@ -62,11 +62,11 @@ pub enum Omitted {
     /// It cannot be left out.
     Required,
     /// This value, which the text form writes nevertheless.
-    Is(Value),
+    Is(OptionValue),
     /// This value, which the text form omits, too.
-    Unwritten(Value),
+    Unwritten(OptionValue),
     /// This value, unless the script states the named parameter instead.
-    InsteadOf(&'static str, Value),
+    InsteadOf(&'static str, OptionValue),
 }
 
 /// One of several values.
@@ -125,7 +125,7 @@ pub struct Param {
     /// The unit in which it is shown.
     pub unit: Unit,
     /// Its default in interactive use; for a radius in pixels.
-    pub first: Value,
+    pub first: OptionValue,
     /// Its value in a script that omits it.
     pub omitted: Omitted,
     /// Whether sliders give small values more room.
@@ -137,15 +137,19 @@ pub struct Param {
 impl Param {
     /// Returns whether the option can have a value. For a radius see [`Domain::Radius`]; `radii` is the range in the
     /// current unit.
-    pub fn allows(&self, value: Value, radii: RangeInclusive<f32>) -> bool {
+    pub fn allows(&self, value: OptionValue, radii: RangeInclusive<f32>) -> bool {
         match (self.domain, value) {
-            (Domain::Radius, Value::Number(number)) => radii.contains(&number),
-            (Domain::Number([least, most]), Value::Number(number)) => {
+            (Domain::Radius, OptionValue::Number(number)) => radii.contains(&number),
+            (Domain::Number([least, most]), OptionValue::Number(number)) => {
                 (least..=most).contains(&number)
             }
-            (Domain::Whole([least, most]), Value::Whole(count)) => (least..=most).contains(&count),
-            (Domain::Switch, Value::On(_)) | (Domain::Colour, Value::Colour(_)) => true,
-            (Domain::Choice(choices), Value::Choice(place)) => usize::from(place) < choices.len(),
+            (Domain::Whole([least, most]), OptionValue::Whole(count)) => {
+                (least..=most).contains(&count)
+            }
+            (Domain::Switch, OptionValue::On(_)) | (Domain::Colour, OptionValue::Colour(_)) => true,
+            (Domain::Choice(choices), OptionValue::Choice(place)) => {
+                usize::from(place) < choices.len()
+            }
             _ => false,
         }
     }
@@ -169,48 +173,48 @@ impl Param {
 /// A type of values of options.
 pub trait ParamValue: Sized {
     /// Converts a value; `None` if it is of another type.
-    fn from_value(value: Value) -> Option<Self>;
+    fn from_value(value: OptionValue) -> Option<Self>;
     /// Converts to a value.
-    fn to_value(self) -> Value;
+    fn to_value(self) -> OptionValue;
 }
 
 impl ParamValue for f32 {
-    fn from_value(value: Value) -> Option<f32> {
-        if let Value::Number(number) = value { Some(number) } else { None }
+    fn from_value(value: OptionValue) -> Option<f32> {
+        if let OptionValue::Number(number) = value { Some(number) } else { None }
     }
 
-    fn to_value(self) -> Value {
-        Value::Number(self)
+    fn to_value(self) -> OptionValue {
+        OptionValue::Number(self)
     }
 }
 
 impl ParamValue for u32 {
-    fn from_value(value: Value) -> Option<u32> {
-        if let Value::Whole(count) = value { Some(count) } else { None }
+    fn from_value(value: OptionValue) -> Option<u32> {
+        if let OptionValue::Whole(count) = value { Some(count) } else { None }
     }
 
-    fn to_value(self) -> Value {
-        Value::Whole(self)
+    fn to_value(self) -> OptionValue {
+        OptionValue::Whole(self)
     }
 }
 
 impl ParamValue for bool {
-    fn from_value(value: Value) -> Option<bool> {
-        if let Value::On(on) = value { Some(on) } else { None }
+    fn from_value(value: OptionValue) -> Option<bool> {
+        if let OptionValue::On(on) = value { Some(on) } else { None }
     }
 
-    fn to_value(self) -> Value {
-        Value::On(self)
+    fn to_value(self) -> OptionValue {
+        OptionValue::On(self)
     }
 }
 
 impl ParamValue for Rgb {
-    fn from_value(value: Value) -> Option<Rgb> {
-        if let Value::Colour(colour) = value { Some(colour) } else { None }
+    fn from_value(value: OptionValue) -> Option<Rgb> {
+        if let OptionValue::Colour(colour) = value { Some(colour) } else { None }
     }
 
-    fn to_value(self) -> Value {
-        Value::Colour(self)
+    fn to_value(self) -> OptionValue {
+        OptionValue::Colour(self)
     }
 }
 
@@ -248,7 +252,7 @@ impl<T> Key<T> {
 
     /// Returns the same option, optional in scripts.
     pub(super) const fn optional(mut self) -> Key<T> {
-        self.param.omitted = Omitted::Unwritten(Value::Absent);
+        self.param.omitted = Omitted::Unwritten(OptionValue::Absent);
         self
     }
 }
@@ -256,7 +260,7 @@ impl<T> Key<T> {
 impl Key<f32> {
     /// Returns the same option with another default.
     pub(super) const fn first(mut self, number: f32) -> Key<f32> {
-        self.param.first = Value::Number(number);
+        self.param.first = OptionValue::Number(number);
         self
     }
 
@@ -270,8 +274,8 @@ impl Key<f32> {
 impl Key<u32> {
     /// Returns the same option with another default, in interactive use and in scripts.
     pub(super) const fn first(mut self, count: u32) -> Key<u32> {
-        self.param.first = Value::Whole(count);
-        self.param.omitted = Omitted::Is(Value::Whole(count));
+        self.param.first = OptionValue::Whole(count);
+        self.param.omitted = Omitted::Is(OptionValue::Whole(count));
         self
     }
 }
@@ -279,7 +283,7 @@ impl Key<u32> {
 impl Key<bool> {
     /// Returns the same option, on or off by default.
     pub(super) const fn first(mut self, on: bool) -> Key<bool> {
-        self.param.first = Value::On(on);
+        self.param.first = OptionValue::On(on);
         self
     }
 }

@@ -91,7 +91,7 @@ fn path(balls: &[DVec4]) -> Vec<DVec4> {
         // The curve continues straight beyond its ends.
         let before = if i > 1 { balls[i - 2] } else { a + (a - b) };
         let after = balls.get(i + 1).copied().unwrap_or(b + (b - a));
-        let span = Span::new([before, a, b, after]);
+        let span = SplineSpan::new([before, a, b, after]);
         let bend = (1..8).map(|part| {
             let t = f64::from(part) / 8.0;
             (span.at(t) - a.lerp(b, t)).length()
@@ -105,19 +105,19 @@ fn path(balls: &[DVec4]) -> Vec<DVec4> {
 }
 
 /// The part of the spline between the middle two of four balls.
-struct Span {
+struct SplineSpan {
     balls: [DVec4; 4],
     knots: [f64; 4],
 }
 
-impl Span {
-    fn new(balls: [DVec4; 4]) -> Span {
+impl SplineSpan {
+    fn new(balls: [DVec4; 4]) -> SplineSpan {
         let mut knots = [0.0; 4];
         for i in 1..4 {
             let displacement = (balls[i] - balls[i - 1]).truncate();
             knots[i] = knots[i - 1] + displacement.length().sqrt();
         }
-        Span { balls, knots }
+        SplineSpan { balls, knots }
     }
 
     /// Returns the ball at a share of the path, by the pyramid of Barry and Goldman (1988).

@@ -23,7 +23,7 @@ impl DrawnShape for HalfSpace {
         example: |pose, _| HalfSpace { at_vx: pose.at_vx, normal: Vec3::new(0.2, 1.0, 0.1) }.into(),
     };
 
-    type Surface = Side;
+    type Surface = PlaneSide;
 
     fn fields(&mut self) -> Vec<Field<'_>> {
         vec![
@@ -37,19 +37,22 @@ impl DrawnShape for HalfSpace {
         ]
     }
 
-    fn surface(&self, stretch: DVec3) -> Side {
-        Side { at: self.at_vx.as_dvec3() * stretch, normal: self.normal.as_dvec3().normalize() }
+    fn surface(&self, stretch: DVec3) -> PlaneSide {
+        PlaneSide {
+            at: self.at_vx.as_dvec3() * stretch,
+            normal: self.normal.as_dvec3().normalize(),
+        }
     }
 }
 
 /// The side of a plane that a normal points to.
 #[derive(Clone, Debug)]
-pub struct Side {
+pub struct PlaneSide {
     at: DVec3,
     normal: DVec3,
 }
 
-impl Surface for Side {
+impl Surface for PlaneSide {
     fn bounds(&self) -> [DVec3; 2] {
         EVERYWHERE
     }

@@ -374,7 +374,7 @@ mod tests {
 
     #[test]
     fn cancelled_work_gives_nothing() {
-        let report = crate::progress::Report::default();
+        let report = crate::progress::ProgressReport::default();
         report.cancel();
         let ball = DigitalBall::new(3.0, Vec3::ONE).unwrap();
         assert_eq!(ball.erode(&random(1, 500), &report), None);

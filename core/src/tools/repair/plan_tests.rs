@@ -4,7 +4,7 @@ use glam::{IVec3, Vec3};
 use proptest::prelude::*;
 
 use super::*;
-use crate::progress::Report;
+use crate::progress::ProgressReport;
 
 const EDGE: u32 = 32;
 const ROOM: u64 = 1 << 26;
@@ -125,7 +125,7 @@ fn lengths_out_of_range_are_refused() {
 
 #[test]
 fn too_little_memory_and_cancellation_are_errors() {
-    let cancelled = Report::default();
+    let cancelled = ProgressReport::default();
     cancelled.cancel();
     let all = [
         Repair::RemoveIslands { keep: Keep::Standing, smaller_vx: None },

@@ -12,7 +12,7 @@ use glam::{DMat3, DVec3, IVec3, Quat, UVec3, Vec3};
 
 use super::ends::{Magnitudes, RowBlock, solve};
 use super::kind::Solid;
-use super::planes::{Faces, Planes};
+use super::planes::{Faces, PlaneRows};
 use super::quadric::EllipsoidRows;
 use super::shape::SolidShape;
 use super::spans::RowSpans;
@@ -114,16 +114,16 @@ pub struct PlacedSolid {
     bounds: VoxelBox,
     /// The part of the bounds that a grid can contain.
     pub(super) reachable: VoxelBox,
-    cut: Cut,
+    cut: SolidRows,
 }
 
 /// The method that computes rows.
 #[derive(Clone, Copy, Debug)]
 #[expect(clippy::large_enum_variant, reason = "one for each use of a solid, never many at once")]
-enum Cut {
+enum SolidRows {
     Quadric(EllipsoidRows),
     SweptQuadric(SweptQuadric),
-    Planes(Planes),
+    Planes(PlaneRows),
     /// An axis-aligned cuboid: a box of voxels.
     Box(VoxelBox),
     /// No rows: each brick is tested by itself.
@@ -191,7 +191,7 @@ impl PlacedSolid {
             displacement,
             bounds,
             reachable,
-            cut: Cut::Box(VoxelBox { min: IVec3::ZERO, max: IVec3::ZERO }),
+            cut: SolidRows::Box(VoxelBox { min: IVec3::ZERO, max: IVec3::ZERO }),
         };
         if !reachable.is_empty() {
             placed.cut = placed.prepare();
@@ -199,7 +199,7 @@ impl PlacedSolid {
         placed
     }
 
-    fn prepare(&self) -> Cut {
+    fn prepare(&self) -> SolidRows {
         let spec = self.shape.solid().spec();
         let m = self.tool_from_vx;
         let VoxelBox { min, max } = self.reachable;
@@ -216,7 +216,7 @@ impl PlacedSolid {
                 first..first_where(first..max[axis], |v| place(v) > 1.0)
             };
             let (x, y, z) = (axis(0), axis(1), axis(2));
-            return Cut::Box(VoxelBox {
+            return SolidRows::Box(VoxelBox {
                 min: IVec3::new(x.start, y.start, z.start),
                 max: IVec3::new(x.end, y.end, z.end),
             });
@@ -238,16 +238,19 @@ impl PlacedSolid {
         };
         match spec.rows {
             RowMethod::Quadric => match self.displacement {
-                None => Cut::Quadric(EllipsoidRows::new(&m, self.centre_vx, &sizes)),
-                Some(displacement) => {
-                    Cut::SweptQuadric(SweptQuadric::new(&m, self.centre_vx, displacement, &sizes))
-                }
+                None => SolidRows::Quadric(EllipsoidRows::new(&m, self.centre_vx, &sizes)),
+                Some(displacement) => SolidRows::SweptQuadric(SweptQuadric::new(
+                    &m,
+                    self.centre_vx,
+                    displacement,
+                    &sizes,
+                )),
             },
             RowMethod::Planes(half_spaces) => {
                 let faces = Faces::swept(half_spaces, self.displacement.unwrap_or_default());
-                Cut::Planes(Planes::new(&faces, &m, self.centre_vx, &sizes))
+                SolidRows::Planes(PlaneRows::new(&faces, &m, self.centre_vx, &sizes))
             }
-            RowMethod::Bricks => Cut::Bricks,
+            RowMethod::Bricks => SolidRows::Bricks,
         }
     }
 
@@ -321,14 +324,14 @@ impl Region for PlacedSolid {
         let spans = &mut row.spans;
         let exact = |v| self.contains_voxel(v);
         let connected = match &self.cut {
-            Cut::Quadric(quadric) => solve(simd, quadric, &rows, exact, spans),
-            Cut::SweptQuadric(swept) => solve(simd, swept, &rows, exact, spans),
-            Cut::Planes(planes) => solve(simd, planes, &rows, exact, spans),
-            Cut::Box(inside) => {
+            SolidRows::Quadric(quadric) => solve(simd, quadric, &rows, exact, spans),
+            SolidRows::SweptQuadric(swept) => solve(simd, swept, &rows, exact, spans),
+            SolidRows::Planes(planes) => solve(simd, planes, &rows, exact, spans),
+            SolidRows::Box(inside) => {
                 cut_box(inside, y_vx, z_vx, spans);
                 true
             }
-            Cut::Bricks => false,
+            SolidRows::Bricks => false,
         };
         row.torn = (!connected).then_some([y_vx, z_vx]);
         if connected {

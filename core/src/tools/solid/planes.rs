@@ -95,7 +95,7 @@ impl Linear {
 
 /// The effect of a face on the rows that it meets.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Kind {
+enum RowBound {
     /// Bounds them from below: the number is the voxel index from which on they are inside.
     From,
     /// Bounds them from above: the number is the voxel index up to which they are inside.
@@ -106,9 +106,9 @@ enum Kind {
 
 /// A solid prepared for its rows.
 #[derive(Clone, Copy, Debug)]
-pub struct Planes {
+pub struct PlaneRows {
     centre: DVec3,
-    /// The faces of [`Kind::From`], then of [`Kind::To`], then of [`Kind::Along`].
+    /// The faces of [`RowBound::From`], then of [`RowBound::To`], then of [`RowBound::Along`].
     faces: [Linear; MOST_FACES],
     first_to: usize,
     first_along: usize,
@@ -126,14 +126,14 @@ pub struct LocalPlanes {
     of_step: [[f32; 8]; MOST_FACES],
 }
 
-impl Planes {
+impl PlaneRows {
     pub fn new(
         solid: &Faces,
         tool_from_vx: &DMat3,
         centre_vx: DVec3,
         sizes: &Magnitudes,
-    ) -> Planes {
-        let mut planes = Planes {
+    ) -> PlaneRows {
+        let mut planes = PlaneRows {
             centre: centre_vx - 0.5,
             faces: [Linear::default(); MOST_FACES],
             first_to: 0,
@@ -142,19 +142,19 @@ impl Planes {
             margin: 0.0,
             margin_along: 0.0,
         };
-        for kind in [Kind::From, Kind::To, Kind::Along] {
+        for kind in [RowBound::From, RowBound::To, RowBound::Along] {
             match kind {
-                Kind::From => {}
-                Kind::To => planes.first_to = planes.len,
-                Kind::Along => planes.first_along = planes.len,
+                RowBound::From => {}
+                RowBound::To => planes.first_to = planes.len,
+                RowBound::Along => planes.first_along = planes.len,
             }
             for FaceHalfSpace { normal, distance } in &solid.faces[..solid.len] {
                 // The signed distance of a row's points from the face: slope . (dx, dy, dz) - distance.
                 let slope = tool_from_vx.transpose() * *normal;
                 let kind_of_face = match slope.x {
-                    x if x.abs() * sizes.distance_vx.x <= FLAT => Kind::Along,
-                    x if x > 0.0 => Kind::To,
-                    _ => Kind::From,
+                    x if x.abs() * sizes.distance_vx.x <= FLAT => RowBound::Along,
+                    x if x > 0.0 => RowBound::To,
+                    _ => RowBound::From,
                 };
                 if kind_of_face == kind {
                     planes.push(kind, slope, *distance, sizes);
@@ -164,9 +164,9 @@ impl Planes {
         planes
     }
 
-    fn push(&mut self, kind: Kind, slope: DVec3, distance: f64, sizes: &Magnitudes) {
+    fn push(&mut self, kind: RowBound, slope: DVec3, distance: f64, sizes: &Magnitudes) {
         let error = sizes.linear_error();
-        let face = if kind == Kind::Along {
+        let face = if kind == RowBound::Along {
             let face = Linear {
                 constant: -distance,
                 y: slope.y,
@@ -195,15 +195,15 @@ impl Planes {
     }
 
     #[inline(always)]
-    fn range(&self, kind: Kind) -> Range<usize> {
+    fn range(&self, kind: RowBound) -> Range<usize> {
         match kind {
-            Kind::From => 0..self.first_to,
-            Kind::To => self.first_to..self.first_along,
-            Kind::Along => self.first_along..self.len,
+            RowBound::From => 0..self.first_to,
+            RowBound::To => self.first_to..self.first_along,
+            RowBound::Along => self.first_along..self.len,
         }
     }
 
-    fn faces(&self, kind: Kind) -> &[Linear] {
+    fn faces(&self, kind: RowBound) -> &[Linear] {
         &self.faces[self.range(kind)]
     }
 
@@ -214,7 +214,7 @@ impl Planes {
     }
 }
 
-impl RowSolver for Planes {
+impl RowSolver for PlaneRows {
     type Local = LocalPlanes;
 
     #[inline(always)]
@@ -239,13 +239,13 @@ impl RowSolver for Planes {
         let far = f32x8::splat(simd, FAR as f32);
         let (mut from, mut to) = (-far, far);
         let mut doubtful = mask32x8::splat(simd, false);
-        for i in self.range(Kind::From) {
+        for i in self.range(RowBound::From) {
             from = from.max(self.number(simd, local, step_z, i));
         }
-        for i in self.range(Kind::To) {
+        for i in self.range(RowBound::To) {
             to = to.min(self.number(simd, local, step_z, i));
         }
-        for i in self.range(Kind::Along) {
+        for i in self.range(RowBound::Along) {
             let beyond = self.number(simd, local, step_z, i);
             to = beyond.simd_gt(self.margin_along).select(-far, to);
             doubtful |= !beyond.abs().simd_gt(self.margin_along);
@@ -256,17 +256,17 @@ impl RowSolver for Planes {
     fn bracket(&self, y: f64, z: f64) -> Bracket {
         let (dy, dz) = (y - self.centre.y, z - self.centre.z);
         let mut bracket = Bracket { outer: [-FAR, FAR], inner: [-FAR, FAR] };
-        for face in self.faces(Kind::From) {
+        for face in self.faces(RowBound::From) {
             let end = face.at(dy, dz);
             bracket.outer[0] = bracket.outer[0].max(end - face.error);
             bracket.inner[0] = bracket.inner[0].max(end + face.error);
         }
-        for face in self.faces(Kind::To) {
+        for face in self.faces(RowBound::To) {
             let end = face.at(dy, dz);
             bracket.outer[1] = bracket.outer[1].min(end + face.error);
             bracket.inner[1] = bracket.inner[1].min(end - face.error);
         }
-        for face in self.faces(Kind::Along) {
+        for face in self.faces(RowBound::Along) {
             let beyond = face.at(dy, dz);
             if beyond > face.error {
                 return Bracket::OUTSIDE;

@@ -25,7 +25,7 @@ pub fn behind<N: SimdReal>([x, y, z]: [N; 3], displacement: DVec3, t: N) -> [N; 
 }
 
 /// The motion of a point perpendicular to the y axis.
-pub struct Across<N> {
+pub struct PerpendicularMotion<N> {
     at: [N; 2],
     displacement: [f64; 2],
     /// Square of the length of the displacement, and its reciprocal; 0 if there is none.
@@ -35,14 +35,14 @@ pub struct Across<N> {
     pub foot: N,
 }
 
-impl<N: SimdReal> Across<N> {
+impl<N: SimdReal> PerpendicularMotion<N> {
     #[inline(always)]
-    pub fn new(x: N, z: N, displacement: DVec3) -> Across<N> {
+    pub fn new(x: N, z: N, displacement: DVec3) -> PerpendicularMotion<N> {
         let squared_length = displacement.x * displacement.x + displacement.z * displacement.z;
         let inverse =
             Some(squared_length.recip()).filter(|inverse| inverse.is_finite()).unwrap_or(0.0);
         let foot = (x * displacement.x + z * displacement.z) * inverse;
-        Across {
+        PerpendicularMotion {
             at: [x, z],
             displacement: [displacement.x, displacement.z],
             squared_length,

@@ -37,11 +37,11 @@ use crate::ui::widgets::names::capital;
 use crate::ui::widgets::theme;
 
 /// The result of reading the file.
-type News = Arc<Mutex<Option<Result<Study, String>>>>;
+type StudySlot = Arc<Mutex<Option<Result<Study, String>>>>;
 
 /// The stage that the dialog has reached.
 #[derive(Debug)]
-enum Stage {
+enum ImportStage {
     Closed,
     /// Asks for the layout of a raw file; with the typed text, and its error.
     Layout {
@@ -59,14 +59,14 @@ enum Stage {
 
 /// The options chosen so far, and the file for them.
 pub struct ImportDialog {
-    stage: Stage,
+    stage: ImportStage,
     path: PathBuf,
     options: ImportOptions,
     /// Whether the dialog is shown. It always asks about raw files.
     pub ask: bool,
     /// The options chosen last.
     pub remembered: Remembered,
-    news: News,
+    news: StudySlot,
     /// The shown slices of a volume, in its final orientation.
     at: UVec3,
     /// View angles of a mesh or a model, in radians: about the vertical, and from above.
@@ -76,12 +76,12 @@ pub struct ImportDialog {
 impl Default for ImportDialog {
     fn default() -> ImportDialog {
         ImportDialog {
-            stage: Stage::Closed,
+            stage: ImportStage::Closed,
             path: PathBuf::new(),
             options: ImportOptions::default(),
             ask: true,
             remembered: Remembered::default(),
-            news: News::default(),
+            news: StudySlot::default(),
             at: UVec3::ZERO,
             view: box_view::FIRST,
         }
@@ -90,19 +90,19 @@ impl Default for ImportDialog {
 
 impl ImportDialog {
     pub fn is_open(&self) -> bool {
-        !matches!(self.stage, Stage::Closed)
+        !matches!(self.stage, ImportStage::Closed)
     }
 
     /// Closes it. Returns false if it is not open.
     pub fn close(&mut self) -> bool {
         let was_open = self.is_open();
-        self.stage = Stage::Closed;
-        self.news = News::default();
+        self.stage = ImportStage::Closed;
+        self.news = StudySlot::default();
         was_open
     }
 
     /// Returns the slot for the contents of the file, or the error.
-    pub fn news(&self) -> News {
+    pub fn news(&self) -> StudySlot {
         self.news.clone()
     }
 
@@ -130,18 +130,18 @@ impl ImportDialog {
         self.at = UVec3::MAX;
         if import.raw.is_none() && needs_layout(&path) {
             let text = self.remembered.raw.clone();
-            self.stage = Stage::Layout { text, error: None };
+            self.stage = ImportStage::Layout { text, error: None };
         } else if at_once || !self.ask {
             requests.push(UiRequest::Run(Command::Open { path, import }));
         } else {
-            self.stage = Stage::Reading;
+            self.stage = ImportStage::Reading;
             requests.push(UiRequest::Study(path, import));
         }
     }
 
     /// Takes the result of reading the file. Waits while the program is busy, since nothing can be opened then.
     fn take_news(&mut self, is_busy: bool, requests: &mut Vec<UiRequest>) {
-        if is_busy || !matches!(self.stage, Stage::Reading) {
+        if is_busy || !matches!(self.stage, ImportStage::Reading) {
             return;
         }
         let news = self.news.lock().unwrap_or_else(PoisonError::into_inner).take();
@@ -156,22 +156,22 @@ impl ImportDialog {
                 let fits = |region: &ScanRegion| region.high.cmplt(study.volume.dims).all();
                 self.options.region = self.options.region.filter(fits);
                 volume::allow(&study, &mut self.options);
-                self.stage = Stage::Volume(study);
+                self.stage = ImportStage::Volume(study);
             }
             Some(Ok(Study::Mesh(study))) => {
                 self.view = box_view::FIRST;
-                self.stage = Stage::Mesh(study);
+                self.stage = ImportStage::Mesh(study);
             }
             Some(Ok(Study::Model(study))) => {
                 self.view = box_view::FIRST;
-                self.stage = Stage::Model(study);
+                self.stage = ImportStage::Model(study);
             }
             Some(Ok(Study::Settled)) => {
                 let (path, import) = (self.path.clone(), self.options);
                 requests.push(UiRequest::Run(Command::Open { path, import }));
                 self.close();
             }
-            Some(Err(error)) => self.stage = Stage::Failed(error),
+            Some(Err(error)) => self.stage = ImportStage::Failed(error),
             // Reading was cancelled.
             None => {
                 self.close();
@@ -182,9 +182,11 @@ impl ImportDialog {
     /// Returns a forecast of the imported sculpture.
     fn outlook(&self, limits: &Limits) -> Option<Result<Outlook, FormatError>> {
         match &self.stage {
-            Stage::Volume(study) => Some(study.outlook(&study.settled(&self.options), limits)),
-            Stage::Mesh(study) => Some(study.outlook(&self.options, limits)),
-            Stage::Model(study) => Some(study.outlook(&self.options, limits)),
+            ImportStage::Volume(study) => {
+                Some(study.outlook(&study.settled(&self.options), limits))
+            }
+            ImportStage::Mesh(study) => Some(study.outlook(&self.options, limits)),
+            ImportStage::Model(study) => Some(study.outlook(&self.options, limits)),
             _ => None,
         }
     }
@@ -192,21 +194,21 @@ impl ImportDialog {
     /// Returns the command that imports the file as shown.
     fn command(&self) -> Command {
         let import = match &self.stage {
-            Stage::Volume(study) => study.settled(&self.options),
+            ImportStage::Volume(study) => study.settled(&self.options),
             _ => self.options,
         };
         Command::Open { path: self.path.clone(), import }
     }
 
     /// Executes the answer.
-    fn answer_with(&mut self, answer: Answer, shared: &mut DialogContext) {
+    fn answer_with(&mut self, answer: ImportAnswer, shared: &mut DialogContext) {
         match answer {
-            Answer::None => {}
-            Answer::Cancel => {
+            ImportAnswer::None => {}
+            ImportAnswer::Cancel => {
                 self.close();
             }
-            Answer::Read => {
-                let Stage::Layout { text, error } = &mut self.stage else { return };
+            ImportAnswer::Read => {
+                let ImportStage::Layout { text, error } = &mut self.stage else { return };
                 match text.trim().parse::<RawLayout>() {
                     Ok(raw) => {
                         self.remembered.raw = raw.to_string();
@@ -217,7 +219,7 @@ impl ImportDialog {
                     Err(reason) => *error = Some(reason),
                 }
             }
-            Answer::Import => {
+            ImportAnswer::Import => {
                 let command = self.command();
                 let Command::Open { path, import } = &command else { return };
                 if let Some(family) = family(path) {
@@ -237,8 +239,8 @@ impl ImportDialog {
     fn width(&self, window: f32) -> f32 {
         let wide = (window - BESIDE).clamp(NARROW.min(window - 16.0), MOST_WIDTH);
         match self.stage {
-            Stage::Volume(_) => wide,
-            Stage::Mesh(_) | Stage::Model(_) => wide.min(720.0),
+            ImportStage::Volume(_) => wide,
+            ImportStage::Mesh(_) | ImportStage::Model(_) => wide.min(720.0),
             _ => wide.min(NARROW),
         }
     }
@@ -256,7 +258,7 @@ impl Dialog for ImportDialog {
     fn show(&mut self, root: &Ui, shared: &mut DialogContext) {
         self.take_news(shared.is_busy, shared.requests);
         // While the file is read, the sign of long work is shown.
-        if !self.is_open() || matches!(self.stage, Stage::Reading) {
+        if !self.is_open() || matches!(self.stage, ImportStage::Reading) {
             model::forget(root.ctx());
             return slices::forget(root.ctx());
         }
@@ -271,40 +273,40 @@ impl Dialog for ImportDialog {
             let room = vec2(self.width(window.x), window.y - 150.0);
             let mut another = None;
             match &mut self.stage {
-                Stage::Volume(study) => {
+                ImportStage::Volume(study) => {
                     if volume::show(ui, study, &mut self.options, &mut self.at, room) {
                         another = Some(UiRequest::Study(self.path.clone(), self.options));
                     }
                 }
-                Stage::Mesh(study) => {
+                ImportStage::Mesh(study) => {
                     mesh::show(ui, study, &mut self.options, &mut self.view, room);
                 }
-                Stage::Model(study) => {
+                ImportStage::Model(study) => {
                     model::show(ui, study, &mut self.options, &mut self.view, room);
                 }
-                Stage::Failed(error) => {
+                ImportStage::Failed(error) => {
                     ui.add_space(4.0);
                     ui.colored_label(theme::error_colour(ui.visuals()), capital(error));
                 }
-                Stage::Layout { text, error } => {
+                ImportStage::Layout { text, error } => {
                     enter |= raw::layout(ui, &self.path, text, error.as_ref());
                 }
-                Stage::Closed | Stage::Reading => {}
+                ImportStage::Closed | ImportStage::Reading => {}
             }
             let answer = foot(ui, self, shared.context, enter);
-            if let (Some(study), Answer::None) = (another, answer) {
-                self.stage = Stage::Reading;
+            if let (Some(study), ImportAnswer::None) = (another, answer) {
+                self.stage = ImportStage::Reading;
                 shared.requests.push(study);
             }
             answer
         });
-        let answer = if response.should_close() { Answer::Cancel } else { response.inner };
+        let answer = if response.should_close() { ImportAnswer::Cancel } else { response.inner };
         self.answer_with(answer, shared);
     }
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Answer {
+enum ImportAnswer {
     None,
     Import,
     /// Read a raw file with the given layout.
@@ -313,7 +315,7 @@ enum Answer {
 }
 
 /// Shows the forecast and the buttons.
-fn foot(ui: &mut Ui, dialog: &mut ImportDialog, context: &UiContext, enter: bool) -> Answer {
+fn foot(ui: &mut Ui, dialog: &mut ImportDialog, context: &UiContext, enter: bool) -> ImportAnswer {
     let outlook = dialog.outlook(context.document.limits());
     let error = match &outlook {
         Some(Ok(outlook)) => {
@@ -328,20 +330,20 @@ fn foot(ui: &mut Ui, dialog: &mut ImportDialog, context: &UiContext, enter: bool
     }
     ui.add_space(6.0);
     let (label, answer) = match dialog.stage {
-        Stage::Layout { .. } => ("Read", Answer::Read),
-        _ => ("Import", Answer::Import),
+        ImportStage::Layout { .. } => ("Read", ImportAnswer::Read),
+        _ => ("Import", ImportAnswer::Import),
     };
-    let possible = error.is_none() && !matches!(dialog.stage, Stage::Failed(_));
+    let possible = error.is_none() && !matches!(dialog.stage, ImportStage::Failed(_));
     ui.horizontal(|ui| {
-        let mut given = Answer::None;
+        let mut given = ImportAnswer::None;
         let button = ui.add_enabled(possible, theme::primary(ui.visuals(), label));
         if button.clicked() || enter && possible {
             given = answer;
         }
         if ui.button("Cancel").on_hover_text("Leave everything as it is").clicked() {
-            given = Answer::Cancel;
+            given = ImportAnswer::Cancel;
         }
-        if !matches!(dialog.stage, Stage::Layout { .. }) {
+        if !matches!(dialog.stage, ImportStage::Layout { .. }) {
             ui.checkbox(&mut dialog.ask, "Ask each time").on_hover_text(
                 "Otherwise files open with the last choices, as they do with Shift held",
             );

@@ -38,13 +38,13 @@ const COLOURS: [(Option<ColourDepth>, &str, &str); 4] = [
 
 /// A picture, and the values that it depends on.
 #[derive(Clone)]
-struct Shown {
-    look: Look,
+struct ModelPicture {
+    look: ModelPictureKey,
     texture: TextureHandle,
 }
 
 #[derive(Clone, Copy, PartialEq)]
-struct Look {
+struct ModelPictureKey {
     /// Identifies the model: its surface stays at this address while the dialog is open.
     surface: usize,
     view: [f32; 2],
@@ -58,7 +58,7 @@ fn id() -> Id {
 
 /// Forgets the picture of the last model.
 pub fn forget(ctx: &Context) {
-    ctx.data_mut(|data| data.remove::<Shown>(id()));
+    ctx.data_mut(|data| data.remove::<ModelPicture>(id()));
 }
 
 /// Shows all questions in `room` points.
@@ -111,8 +111,8 @@ fn texture(
 ) -> TextureHandle {
     let side_px = (side * ui.pixels_per_point()).clamp(1.0, MOST_PX) as usize;
     let surface = study.surface.as_ptr() as usize;
-    let look = Look { surface, view, options: *options, side_px };
-    let before = ui.data(|data| data.get_temp::<Shown>(id()));
+    let look = ModelPictureKey { surface, view, options: *options, side_px };
+    let before = ui.data(|data| data.get_temp::<ModelPicture>(id()));
     if let Some(shown) = before.as_ref().filter(|shown| shown.look == look) {
         return shown.texture.clone();
     }
@@ -125,13 +125,13 @@ fn texture(
     let rgba = voxel_picture::draw(study, options, view, side_px, &colour);
     let image = ColorImage::from_rgba_unmultiplied([side_px; 2], &rgba);
     let texture = match before {
-        Some(Shown { mut texture, .. }) => {
+        Some(ModelPicture { mut texture, .. }) => {
             texture.set(image, TextureOptions::LINEAR);
             texture
         }
         None => ui.ctx().load_texture("model", image, TextureOptions::LINEAR),
     };
-    let shown = Shown { look, texture: texture.clone() };
+    let shown = ModelPicture { look, texture: texture.clone() };
     ui.data_mut(|data| data.insert_temp(id(), shown));
     texture
 }

@@ -30,9 +30,9 @@ const SLICES: [(usize, &str, &str); 3] = [
 
 /// A slice as cut last, and its picture.
 #[derive(Clone)]
-struct Shown {
-    cut: Cut,
-    look: Look,
+struct SlicePicture {
+    cut: SlicePosition,
+    look: SlicePictureKey,
     size: UVec2,
     values: Arc<Vec<f32>>,
     texture: TextureHandle,
@@ -40,7 +40,7 @@ struct Shown {
 
 /// The position of a slice.
 #[derive(Clone, Copy, PartialEq)]
-struct Cut {
+struct SlicePosition {
     turn: Orientation,
     axis: usize,
     at: u32,
@@ -48,7 +48,7 @@ struct Cut {
 
 /// The values that the colours of the slice depend on.
 #[derive(Clone, Copy, PartialEq)]
-struct Look {
+struct SlicePictureKey {
     existing: Existing,
     colouring: Colouring,
     region: ScanRegion,
@@ -57,7 +57,9 @@ struct Look {
 
 /// Forgets the pictures of the last volume.
 pub fn forget(ctx: &Context) {
-    SLICES.iter().for_each(|(axis, ..)| ctx.data_mut(|data| data.remove::<Shown>(id(*axis))));
+    SLICES
+        .iter()
+        .for_each(|(axis, ..)| ctx.data_mut(|data| data.remove::<SlicePicture>(id(*axis))));
 }
 
 fn id(axis: usize) -> Id {
@@ -80,7 +82,8 @@ pub fn show(
         for (axis, name, help) in SLICES {
             ui.vertical(|ui| {
                 ui.set_width(side);
-                let texture = picture(ui, study, options, Cut { turn, axis, at: at[axis] }, region);
+                let cut = SlicePosition { turn, axis, at: at[axis] };
+                let texture = picture(ui, study, options, cut, region);
                 let (square, response) =
                     ui.allocate_exact_size(Vec2::splat(side), Sense::click_and_drag());
                 let pane = Pane::new(study, turn, axis, square);
@@ -114,12 +117,12 @@ fn picture(
     ui: &Ui,
     study: &VolumeStudy,
     options: &ImportOptions,
-    cut: Cut,
+    cut: SlicePosition,
     region: ScanRegion,
 ) -> TextureHandle {
     let existing = study.existing(options);
-    let look = Look { existing, colouring: options.colouring, region, at: cut.at };
-    let before = ui.data(|data| data.get_temp::<Shown>(id(cut.axis)));
+    let look = SlicePictureKey { existing, colouring: options.colouring, region, at: cut.at };
+    let before = ui.data(|data| data.get_temp::<SlicePicture>(id(cut.axis)));
     if let Some(shown) = &before
         && shown.cut == cut
         && shown.look == look
@@ -135,13 +138,13 @@ fn picture(
     };
     let image = coloured(study, options, cut, region, size, &values);
     let texture = match before {
-        Some(Shown { mut texture, .. }) => {
+        Some(SlicePicture { mut texture, .. }) => {
             texture.set(image, TextureOptions::LINEAR);
             texture
         }
         None => ui.ctx().load_texture("slice", image, TextureOptions::LINEAR),
     };
-    let shown = Shown { cut, look, size, values, texture: texture.clone() };
+    let shown = SlicePicture { cut, look, size, values, texture: texture.clone() };
     ui.data_mut(|data| data.insert_temp(id(cut.axis), shown));
     texture
 }
@@ -150,7 +153,7 @@ fn picture(
 fn coloured(
     study: &VolumeStudy,
     options: &ImportOptions,
-    cut: Cut,
+    cut: SlicePosition,
     region: ScanRegion,
     size: UVec2,
     values: &[f32],

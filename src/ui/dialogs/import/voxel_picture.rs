@@ -48,7 +48,7 @@ pub fn draw(
 }
 
 /// A side of every voxel that faces the viewer.
-struct Side {
+struct VoxelSide {
     /// Number of the side in `SurfaceVoxel::open_sides`.
     number: usize,
     /// Its lowest corner, in a voxel.
@@ -59,7 +59,7 @@ struct Side {
 }
 
 /// Returns the sides that face the viewer: three at most.
-fn sides(seen: &BoxView, in_grid: &impl Fn(Vec3) -> Vec3) -> Vec<Side> {
+fn sides(seen: &BoxView, in_grid: &impl Fn(Vec3) -> Vec3) -> Vec<VoxelSide> {
     let direction = |axis: Vec3| seen.seen(in_grid(axis) - in_grid(Vec3::ZERO));
     (0..6)
         .filter_map(|number| {
@@ -75,7 +75,7 @@ fn sides(seen: &BoxView, in_grid: &impl Fn(Vec3) -> Vec3) -> Vec<Side> {
             });
             let corner = if is_high { Vec3::AXES[axis] } else { Vec3::ZERO };
             let light = AMBIENT + (1.0 - AMBIENT) * normal.dot(LIGHT.normalize()).max(0.0);
-            Some(Side { number, corner, edges, light })
+            Some(VoxelSide { number, corner, edges, light })
         })
         .collect()
 }
@@ -88,7 +88,7 @@ struct Canvas {
 
 impl Canvas {
     /// Fills the pixels with centres in a side that begins at `from`.
-    fn fill(&mut self, from: Pos2, depth: f32, side: &Side, [r, g, b]: [u8; 3]) {
+    fn fill(&mut self, from: Pos2, depth: f32, side: &VoxelSide, [r, g, b]: [u8; 3]) {
         let [u, v] = side.edges.map(|edge| Vector::new(edge.x, edge.y));
         let area = u.perp_dot(v);
         if area.abs() < 1e-6 {

@@ -87,7 +87,7 @@ pub enum ReadExtent {
     Start,
 }
 
-enum Value<'a> {
+enum ElementValue<'a> {
     Bytes(&'a [u8]),
     /// 16-bit numbers of any meaning.
     Words(&'a [u8]),
@@ -106,7 +106,7 @@ pub enum StoredPixels<'a> {
 
 /// Elements of a file or of an item of a sequence.
 pub struct DataSet<'a> {
-    elements: Vec<(Tag, Value<'a>)>,
+    elements: Vec<(Tag, ElementValue<'a>)>,
     is_big: bool,
 }
 
@@ -189,13 +189,15 @@ impl<'a> DataSet<'a> {
         Ok(DataSet { elements, is_big })
     }
 
-    fn value(&self, tag: Tag) -> Option<&Value<'a>> {
+    fn value(&self, tag: Tag) -> Option<&ElementValue<'a>> {
         self.elements.iter().find(|(own, _)| *own == tag).map(|(_, value)| value)
     }
 
     fn bytes(&self, tag: Tag) -> Option<&'a [u8]> {
         match self.value(tag) {
-            Some(Value::Bytes(bytes) | Value::Words(bytes)) if !bytes.is_empty() => Some(bytes),
+            Some(ElementValue::Bytes(bytes) | ElementValue::Words(bytes)) if !bytes.is_empty() => {
+                Some(bytes)
+            }
             _ => None,
         }
     }
@@ -227,7 +229,7 @@ impl<'a> DataSet<'a> {
     /// Returns the items of a sequence; none where it is missing.
     pub(crate) fn items(&self, tag: Tag) -> &[DataSet<'a>] {
         match self.value(tag) {
-            Some(Value::Items(items)) => items,
+            Some(ElementValue::Items(items)) => items,
             _ => &[],
         }
     }
@@ -235,15 +237,17 @@ impl<'a> DataSet<'a> {
     /// Returns the pixels with the tag of their number type.
     pub fn pixels(&self) -> Option<(Tag, StoredPixels<'_>)> {
         tags::PIXELS.into_iter().find_map(|tag| match self.value(tag)? {
-            Value::Bytes(bytes) => Some((tag, StoredPixels::Native { bytes, swapped: false })),
-            Value::Words(bytes) => {
+            ElementValue::Bytes(bytes) => {
+                Some((tag, StoredPixels::Native { bytes, swapped: false }))
+            }
+            ElementValue::Words(bytes) => {
                 Some((tag, StoredPixels::Native { bytes, swapped: self.is_big }))
             }
-            Value::Fragments(all) => {
+            ElementValue::Fragments(all) => {
                 let (offsets, fragments) = all.split_first()?;
                 Some((tag, StoredPixels::Packed { offsets, fragments }))
             }
-            Value::Items(_) => None,
+            ElementValue::Items(_) => None,
         })
     }
 }
@@ -266,7 +270,7 @@ impl<'a> Parser<'a> {
         end: usize,
         depth: usize,
         is_meta: bool,
-    ) -> Result<Vec<(Tag, Value<'a>)>, FormatError> {
+    ) -> Result<Vec<(Tag, ElementValue<'a>)>, FormatError> {
         let mut elements = Vec::new();
         while self.at < end {
             let start = self.at;
@@ -288,7 +292,11 @@ impl<'a> Parser<'a> {
         Ok(elements)
     }
 
-    fn element(&mut self, end: usize, depth: usize) -> Result<(Tag, Value<'a>), FormatError> {
+    fn element(
+        &mut self,
+        end: usize,
+        depth: usize,
+    ) -> Result<(Tag, ElementValue<'a>), FormatError> {
         self.left = self.left.checked_sub(1).ok_or_else(|| {
             malformed("the data set", format!("more than {MOST_ELEMENTS} elements"))
         })?;
@@ -300,7 +308,7 @@ impl<'a> Parser<'a> {
             None => tags::SEQUENCES.contains(&tag) || length == UNDEFINED,
         };
         if length == UNDEFINED && tags::PIXELS.contains(&tag) {
-            return Ok((tag, Value::Fragments(self.fragments(end)?)));
+            return Ok((tag, ElementValue::Fragments(self.fragments(end)?)));
         }
         if is_sequence && tag != tags::ITEM {
             let was_explicit = self.is_explicit;
@@ -308,7 +316,7 @@ impl<'a> Parser<'a> {
             self.is_explicit &= vr != Some(*b"UN");
             let items = self.items(length, end, depth + 1);
             self.is_explicit = was_explicit;
-            return Ok((tag, Value::Items(items?)));
+            return Ok((tag, ElementValue::Items(items?)));
         }
         let value = self.take(length as usize, end).ok_or_else(|| {
             malformed(
@@ -323,7 +331,14 @@ impl<'a> Parser<'a> {
                 },
             )
         })?;
-        Ok((tag, if vr == Some(*b"OW") { Value::Words(value) } else { Value::Bytes(value) }))
+        Ok((
+            tag,
+            if vr == Some(*b"OW") {
+                ElementValue::Words(value)
+            } else {
+                ElementValue::Bytes(value)
+            },
+        ))
     }
 
     /// Returns the items of a sequence whose length, possibly undefined, has been read.

@@ -90,7 +90,7 @@ fn read(path: &Path, reading: &Reading) -> Result<(Scan, u64), FormatError> {
         (files, _) => format!("DICOM {modality}, series of {files} files{}", syntax.packing()),
     };
     drop(data);
-    let mut stack = Stack { layout, layers: Layered::default(), dims, reading, bytes: 0 };
+    let mut stack = SliceStack { layout, layers: Layered::default(), dims, reading, bytes: 0 };
     reading.progress.begin("reading slices");
     let added = match file_count {
         1 => stack.add(&file, &layers.planes),
@@ -197,7 +197,7 @@ impl Layered {
 }
 
 /// A volume that grows by a slice at a time.
-struct Stack<'a> {
+struct SliceStack<'a> {
     layout: PixelLayout,
     layers: Layered,
     dims: UVec3,
@@ -206,7 +206,7 @@ struct Stack<'a> {
     bytes: u64,
 }
 
-impl Stack<'_> {
+impl SliceStack<'_> {
     /// Appends frames of a file.
     fn add(&mut self, file: &[u8], planes: &[FramePlane]) -> Result<(), FormatError> {
         let (progress, number) = (self.reading.progress, self.layout.number);

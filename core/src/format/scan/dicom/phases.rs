@@ -11,15 +11,15 @@ use super::plane::{FramePlane, SAME_PLACE_MM};
 use crate::format::{FormatError, Volumes};
 
 /// A plane with its position along the normal.
-type Placed = (f64, FramePlane);
+type PlacedPlane = (f64, FramePlane);
 
 /// Returns the planes of one phase (the requested one, that of the file `named` or the first), with its number and the
 /// number of phases.
 pub fn one_of(
-    placed: Vec<Placed>,
+    placed: Vec<PlacedPlane>,
     named: Option<usize>,
     reading: &Reading,
-) -> Result<(Volumes, Vec<Placed>), FormatError> {
+) -> Result<(Volumes, Vec<PlacedPlane>), FormatError> {
     // The position number of each plane.
     let mut places: Vec<usize> = Vec::with_capacity(placed.len());
     for (i, (at, _)) in placed.iter().enumerate() {
@@ -51,13 +51,13 @@ pub fn one_of(
 
 /// Groups planes into phases by one or two of the values in their files, such that no phase has two planes at a
 /// position, and one of them has all positions.
-fn told_apart(placed: &[Placed], places: &[usize], count: usize) -> Option<Vec<Vec<usize>>> {
+fn told_apart(placed: &[PlacedPlane], places: &[usize], count: usize) -> Option<Vec<Vec<usize>>> {
     let keys = placed.first().map_or(0, |(_, plane)| plane.phases.len());
     let pairs = (0..keys).flat_map(|a| (a + 1..keys).map(move |b| (a, b)));
     for (a, b) in (0..keys).map(|key| (key, key)).chain(pairs) {
-        let mut groups: BTreeMap<[Value; 2], Vec<usize>> = BTreeMap::new();
+        let mut groups: BTreeMap<[SortKey; 2], Vec<usize>> = BTreeMap::new();
         for (i, (_, plane)) in placed.iter().enumerate() {
-            let value = |key: usize| Value::of(plane.phases.get(key).map_or("", String::as_str));
+            let value = |key: usize| SortKey::of(plane.phases.get(key).map_or("", String::as_str));
             groups.entry([value(a), value(b)]).or_default().push(i);
         }
         let is_single =
@@ -74,7 +74,7 @@ fn told_apart(placed: &[Placed], places: &[usize], count: usize) -> Option<Vec<V
 }
 
 /// Groups the first planes of all positions by their numbers, then the second ones, and so on.
-fn in_turn(placed: &[Placed], places: &[usize]) -> Vec<Vec<usize>> {
+fn in_turn(placed: &[PlacedPlane], places: &[usize]) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     let mut rank = 0;
     for i in 0..placed.len() {
@@ -89,20 +89,20 @@ fn in_turn(placed: &[Placed], places: &[usize]) -> Vec<Vec<usize>> {
 
 /// A value that is sorted as a number where possible.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord)]
-enum Value {
+enum SortKey {
     /// The bits, mapped to the order of the numbers.
     Number(u64),
     Text(String),
 }
 
-impl Value {
-    fn of(text: &str) -> Value {
+impl SortKey {
+    fn of(text: &str) -> SortKey {
         match text.parse::<f64>() {
             Ok(number) if number.is_finite() => {
                 let bits = number.to_bits();
-                Value::Number(if number.is_sign_negative() { !bits } else { bits | 1 << 63 })
+                SortKey::Number(if number.is_sign_negative() { !bits } else { bits | 1 << 63 })
             }
-            _ => Value::Text(text.to_string()),
+            _ => SortKey::Text(text.to_string()),
         }
     }
 }
@@ -133,7 +133,7 @@ mod tests {
         let (path, options, limits, progress) = (Path::new(""), &options, &limits, &());
         let reading = Reading { path, options, limits, progress };
         let all = all.iter().enumerate().map(|(file, (at, phase))| (*at, plane(file, phase)));
-        let mut all: Vec<Placed> = all.collect();
+        let mut all: Vec<PlacedPlane> = all.collect();
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (volumes, kept) = one_of(all, named, &reading).map_err(|error| error.to_string())?;
         let files = kept.into_iter().map(|(_, plane)| plane.file).collect();

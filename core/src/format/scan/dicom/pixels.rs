@@ -32,11 +32,11 @@ pub struct PixelLayout {
     is_planar: bool,
     /// Whether two pixels share their colour differences (4:2:2).
     is_halved: bool,
-    colours: Colours,
+    colours: PhotometricInterpretation,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Colours {
+enum PhotometricInterpretation {
     /// High values are light.
     Grey,
     /// Low values are light.
@@ -60,11 +60,11 @@ impl PixelLayout {
         let samples = data.u16(tags::SAMPLES_PER_PIXEL).unwrap_or(1);
         let photometric = data.text(tags::PHOTOMETRIC).unwrap_or_default();
         let colours = match (samples, photometric.as_str()) {
-            (1, "MONOCHROME1") => Colours::Negative,
-            (1, "MONOCHROME2" | "") => Colours::Grey,
+            (1, "MONOCHROME1") => PhotometricInterpretation::Negative,
+            (1, "MONOCHROME2" | "") => PhotometricInterpretation::Grey,
             // The codestream itself declares the colour differences; they are converted during decoding.
-            (3, "RGB" | "YBR_RCT" | "YBR_ICT") => Colours::Rgb,
-            (3, "YBR_FULL" | "YBR_FULL_422") => Colours::Ybr,
+            (3, "RGB" | "YBR_RCT" | "YBR_ICT") => PhotometricInterpretation::Rgb,
+            (3, "YBR_FULL" | "YBR_FULL_422") => PhotometricInterpretation::Ybr,
             _ => {
                 return Err(FormatError::Scan(format!(
                     "pixels of {samples} samples in the colours `{}` are not read; convert them to MONOCHROME2 or RGB",
@@ -117,7 +117,7 @@ impl PixelLayout {
 
     /// Returns whether light and dark are swapped as the pixels are read.
     pub(crate) fn is_negative(&self) -> bool {
-        self.colours == Colours::Negative
+        self.colours == PhotometricInterpretation::Negative
     }
 
     /// Returns whether frames of both can lie in one volume.
@@ -191,7 +191,7 @@ impl PixelLayout {
             if self.is_planar && !is_packed {
                 bytes = interleaved(&bytes);
             }
-            if self.colours == Colours::Ybr && syntax != Syntax::Jpeg {
+            if self.colours == PhotometricInterpretation::Ybr && syntax != Syntax::Jpeg {
                 bytes.as_chunks_mut().0.iter_mut().for_each(to_rgb);
             }
         } else {
@@ -280,9 +280,9 @@ impl PixelLayout {
         let mut decoder = Decoder::new(packed);
         decoder.set_max_decoding_buffer_size(self.pixels() * 4);
         match self.colours {
-            Colours::Rgb => decoder.set_color_transform(ColorTransform::RGB),
-            Colours::Ybr => decoder.set_color_transform(ColorTransform::YCbCr),
-            Colours::Grey | Colours::Negative => {}
+            PhotometricInterpretation::Rgb => decoder.set_color_transform(ColorTransform::RGB),
+            PhotometricInterpretation::Ybr => decoder.set_color_transform(ColorTransform::YCbCr),
+            PhotometricInterpretation::Grey | PhotometricInterpretation::Negative => {}
         }
         decoder.read_info().map_err(no_jpeg)?;
         let info = decoder.info().ok_or_else(|| damaged("no picture".to_string()))?;

@@ -21,13 +21,13 @@ const MOST_PAGES: usize = 1 << 20;
 
 /// The numbers of channels, layers and times.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-struct Counts {
+struct PlaneCounts {
     channels: usize,
     layers: usize,
     times: usize,
 }
 
-impl Counts {
+impl PlaneCounts {
     /// Returns the number of pages, unless there are too many.
     fn pages(self) -> Option<usize> {
         let pages = self.channels.checked_mul(self.layers)?.checked_mul(self.times)?;
@@ -36,7 +36,7 @@ impl Counts {
 }
 
 /// A channel, a layer and a time.
-type Place = (usize, usize, usize);
+type PlaneIndex = (usize, usize, usize);
 
 /// The order of pages in the file.
 #[derive(Debug)]
@@ -44,7 +44,7 @@ enum Order {
     /// Channels vary fastest, then layers, then times.
     Imagej,
     /// The pages that are in the file itself.
-    Ome(HashMap<Place, usize>),
+    Ome(HashMap<PlaneIndex, usize>),
 }
 
 #[derive(Debug)]
@@ -54,7 +54,7 @@ pub struct Told {
     pub images: usize,
     /// In millimetres; 1 where nothing is known.
     pub voxel_size: Vec3,
-    counts: Option<Counts>,
+    counts: Option<PlaneCounts>,
     order: Order,
     notes: Vec<String>,
 }
@@ -88,7 +88,7 @@ impl Told {
     ) -> Result<(Vec<usize>, Volumes), FormatError> {
         notes.extend(self.notes.iter().cloned());
         let told = self.counts.and_then(|counts| Some((counts, counts.pages()?)));
-        let Some((Counts { channels, layers, times }, all)) = told.filter(|(_, all)| *all > 1)
+        let Some((PlaneCounts { channels, layers, times }, all)) = told.filter(|(_, all)| *all > 1)
         else {
             return Ok((pages, reading.volumes(1)?));
         };
@@ -137,7 +137,7 @@ impl Told {
         Ok((own, volumes))
     }
 
-    fn page(&self, place: Place) -> Option<usize> {
+    fn page(&self, place: PlaneIndex) -> Option<usize> {
         let (c, z, t) = place;
         match (&self.order, self.counts?) {
             (Order::Imagej, counts) => Some(c + counts.channels * (z + counts.layers * t)),
@@ -164,7 +164,7 @@ impl Told {
         let (channels, times) = (count("channels=").unwrap_or(1), count("frames=").unwrap_or(1));
         let per_layer = channels.saturating_mul(times);
         let layers = count("slices=").unwrap_or((self.images / per_layer).max(1));
-        let counts = Counts { channels, layers, times };
+        let counts = PlaneCounts { channels, layers, times };
         self.counts = counts.pages().map(|_| counts);
 
         let unit = of("unit=").unwrap_or("pixel").to_lowercase();
@@ -210,7 +210,7 @@ impl Told {
         let channel = pixels.children().find(|node| node.tag_name().name() == "Channel");
         let samples = channel.and_then(|node| node.attribute("SamplesPerPixel")?.parse().ok());
         let channels = channels / samples.filter(|n| (1..=channels).contains(n)).unwrap_or(1);
-        let counts = Counts { channels, layers, times };
+        let counts = PlaneCounts { channels, layers, times };
         let Some(whole) = counts.pages() else { return };
         self.images = whole;
         self.order = Order::Ome(ome_pages(pixels, counts, whole));
@@ -219,7 +219,7 @@ impl Told {
 }
 
 /// Returns the page of each channel, layer and time.
-fn ome_pages(pixels: Node, counts: Counts, whole: usize) -> HashMap<Place, usize> {
+fn ome_pages(pixels: Node, counts: PlaneCounts, whole: usize) -> HashMap<PlaneIndex, usize> {
     let order = pixels.attribute("DimensionOrder").unwrap_or("XYCZT");
     // The remaining pages, from `from` planes after the first of all.
     let place = |mut from: usize| {
@@ -236,7 +236,7 @@ fn ome_pages(pixels: Node, counts: Counts, whole: usize) -> HashMap<Place, usize
         }
         at
     };
-    let number_of = |(c, z, t): Place| {
+    let number_of = |(c, z, t): PlaneIndex| {
         let (mut number, mut step) = (0, 1);
         for axis in order.chars() {
             let (own, size) = match axis {

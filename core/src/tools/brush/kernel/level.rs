@@ -73,11 +73,11 @@ impl Level {
 
     /// Returns the voxels that smoothing changes in `grid` under a footprint.
     pub fn stamp(&self, footprint: &Footprint, grid: &Grid) -> Stamp {
-        let Some(work) = Work::new(*self, footprint, grid) else { return Stamp::default() };
+        let Some(work) = SmoothingRun::new(*self, footprint, grid) else { return Stamp::default() };
         let found: Vec<_> =
             work.tiles.par_iter().with_max_len(1).map(|tile| work.tile(*tile)).collect();
         // Tiles share no bricks.
-        let listed = |part: fn(&Changes) -> &Vec<Listed>| {
+        let listed = |part: fn(&VoxelChanges) -> &Vec<Listed>| {
             let mut bricks: Vec<_> = found.iter().flat_map(part).copied().collect();
             bricks.sort_unstable_by_key(|(b, _)| (b.z, b.y, b.x));
             ListedBricks::new(bricks)
@@ -93,10 +93,10 @@ impl Level {
 /// Voxels of a brick.
 type Listed = (UVec3, Brick);
 /// The voxels to add, and those to remove.
-type Changes = (Vec<Listed>, Vec<Listed>);
+type VoxelChanges = (Vec<Listed>, Vec<Listed>);
 
 /// One use of the brush.
-struct Work<'a> {
+struct SmoothingRun<'a> {
     grid: &'a Grid,
     level: Level,
     footprint: &'a Footprint,
@@ -114,7 +114,7 @@ struct Work<'a> {
 }
 
 /// A voxel that may change.
-struct Candidate {
+struct VoxelCandidate {
     voxel: IVec3,
     /// Distance of the smoothed surface beyond it.
     beyond: f32,
@@ -127,13 +127,13 @@ struct Candidate {
 /// The voxels on the other side of the smoothed surface.
 #[derive(Default)]
 struct Candidates {
-    to_add: Vec<Candidate>,
-    to_remove: Vec<Candidate>,
+    to_add: Vec<VoxelCandidate>,
+    to_remove: Vec<VoxelCandidate>,
 }
 
 /// Shares of both fields along a row of cells.
 #[derive(Default)]
-struct Shares {
+struct FieldShares {
     adding: Vec<f32>,
     staying: Vec<f32>,
 }
@@ -147,9 +147,9 @@ struct RowOfVoxels<'a> {
     spans: &'a [(usize, Range<usize>)],
 }
 
-impl<'a> Work<'a> {
+impl<'a> SmoothingRun<'a> {
     /// Returns `None` where the footprint meets nothing.
-    fn new(level: Level, footprint: &'a Footprint, grid: &'a Grid) -> Option<Work<'a>> {
+    fn new(level: Level, footprint: &'a Footprint, grid: &'a Grid) -> Option<SmoothingRun<'a>> {
         let cone = Cone::new(footprint)?;
         let edges = grid.voxel_size() / grid.voxel_size().min_element();
         let touched = footprint.touched(grid);
@@ -183,11 +183,22 @@ impl<'a> Work<'a> {
         let ((mut to_add, ends), mut to_stay) = rayon::join(of_clay, of_filled);
         to_add.lower_to(&to_stay);
         to_stay.raise_to(&ends);
-        Some(Work { grid, level, footprint, edges, radius, hidden, bounds, tiles, to_add, to_stay })
+        Some(SmoothingRun {
+            grid,
+            level,
+            footprint,
+            edges,
+            radius,
+            hidden,
+            bounds,
+            tiles,
+            to_add,
+            to_stay,
+        })
     }
 
     /// Returns the bricks added to and removed from a tile.
-    fn tile(&self, tile: IVec3) -> Changes {
+    fn tile(&self, tile: IVec3) -> VoxelChanges {
         let first = tile * TILE_VX;
         let bounds = VoxelBox { min: first, max: first + TILE_VX }.intersect(self.bounds);
         if bounds.is_empty() {
@@ -207,13 +218,13 @@ impl<'a> Work<'a> {
         let size = bounds.size();
         let along = [0, 1, 2].map(|axis| self.to_add.places(axis, bounds.min[axis], size[axis]));
         let [along_x, along_y, along_z] = &along;
-        let mut shares = Shares::default();
+        let mut shares = FieldShares::default();
         let mut found = Candidates::default();
         let mut spans = Vec::new();
         let mut block = None;
         for (cell_z, span_z) in along_z.spans() {
             for (cell_y, span_y) in along_y.spans() {
-                let Shares { adding, staying } = &mut shares;
+                let FieldShares { adding, staying } = &mut shares;
                 self.to_add.extremes(&along, (cell_y, cell_z), f32::max, adding);
                 self.to_stay.extremes(&along, (cell_y, cell_z), f32::min, staying);
                 spans.clear();
@@ -242,7 +253,7 @@ impl<'a> Work<'a> {
     fn add_row(
         &self,
         &RowOfVoxels { first, block, along_x, spans }: &RowOfVoxels,
-        Shares { adding, staying }: &mut Shares,
+        FieldShares { adding, staying }: &mut FieldShares,
         found: &mut Candidates,
     ) {
         let local = first - block.origin();
@@ -277,7 +288,7 @@ impl<'a> Work<'a> {
 
     /// Returns a voxel with the smoothed surface at a distance beyond it. `None` if it stays wherever the surface is.
     #[inline(always)]
-    fn candidate(&self, voxel: IVec3, beyond: f32) -> Option<Candidate> {
+    fn candidate(&self, voxel: IVec3, beyond: f32) -> Option<VoxelCandidate> {
         let [i, j, s] = self.hidden.project(voxel.as_vec3() + 0.5);
         let Footprint { outline, radius, .. } = *self.footprint;
         let radius = radius.max(0.5);
@@ -290,12 +301,12 @@ impl<'a> Work<'a> {
         let most = strength / (1.0 - strength).max(1e-6) * beyond;
         let limit = (most + Level::NEAREST - self.level.rounding).min(FURTHEST * self.radius);
         let may = s > 0.0 && strength > 0.0 && limit >= 0.5;
-        may.then_some(Candidate { voxel, beyond, strength, limit })
+        may.then_some(VoxelCandidate { voxel, beyond, strength, limit })
     }
 
     /// Returns whether a voxel at a distance from the surface changes.
-    fn changes(&self, candidate: &Candidate, away: f32) -> bool {
-        let Candidate { beyond, strength, limit, .. } = *candidate;
+    fn changes(&self, candidate: &VoxelCandidate, away: f32) -> bool {
+        let VoxelCandidate { beyond, strength, limit, .. } = *candidate;
         // The voxel changes once the surface has passed its centre, or has been rounded there.
         let rounding = Level::NEAREST + (self.level.rounding - Level::NEAREST) * (1.0 - strength);
         let needed = away - 0.5 + rounding;
@@ -303,7 +314,7 @@ impl<'a> Work<'a> {
     }
 
     /// Returns the candidates near enough to clay (`to_clay`) or to visible space. `None` if there are none.
-    fn reached(&self, candidates: &[Candidate], to_clay: bool) -> Option<BitBlock> {
+    fn reached(&self, candidates: &[VoxelCandidate], to_clay: bool) -> Option<BitBlock> {
         let min = candidates.iter().map(|c| c.voxel).reduce(IVec3::min)?;
         let max = candidates.iter().map(|c| c.voxel).reduce(IVec3::max)? + 1;
         let furthest = candidates.iter().map(|c| c.limit).fold(0.5, f32::max);

@@ -28,7 +28,7 @@ const PLANE_REACH: f32 = 12.0;
 
 /// The target of the surface's motion.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub enum Target {
+pub enum OffsetTarget {
     /// Along its own normals, by this distance; positive outwards.
     Along(f32),
     /// Towards a plane, from one side or both.
@@ -49,13 +49,13 @@ pub enum Target {
         /// The height along the normal.
         height: f32,
         /// The profile of the height over the ball.
-        profile: Profile,
+        profile: OffsetProfile,
     },
 }
 
 /// The profile of a displacement over the ball.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub enum Profile {
+pub enum OffsetProfile {
     /// The falloff.
     Falloff,
     /// The square of the falloff.
@@ -69,7 +69,7 @@ struct Pull {
     direction: Vec3,
     /// The displacement of the centre.
     height: f32,
-    profile: Profile,
+    profile: OffsetProfile,
 }
 
 /// Shortest step of the search for the surface along a direction, in units of the smallest edge.
@@ -87,7 +87,7 @@ pub struct Offset {
     /// The falloff of the effect from the centre to the rim.
     pub falloff: Falloff,
     /// The target of the surface's motion.
-    pub target: Target,
+    pub target: OffsetTarget,
 }
 
 impl BallImage {
@@ -103,8 +103,8 @@ impl BallImage {
         let Pull { direction, height, profile } = pull;
         let p = self.relative(v);
         let share = |p: Vec3| match profile {
-            Profile::Falloff => self.share(p),
-            Profile::Squared => self.share(p) * self.share(p),
+            OffsetProfile::Falloff => self.share(p),
+            OffsetProfile::Squared => self.share(p) * self.share(p),
         };
         // On the line through `v`, the point nearest to the centre moves farthest.
         let along = p.x * direction.x + p.y * direction.y + p.z * direction.z;
@@ -127,7 +127,7 @@ impl BallImage {
 }
 
 /// Returns the change of a use in a ball. `target`: maps the outward normal to the target of the surface.
-pub fn change(used: &BrushUse, site: &Site, target: impl Fn(Vec3) -> Target) -> BrushChange {
+pub fn change(used: &BrushUse, site: &Site, target: impl Fn(Vec3) -> OffsetTarget) -> BrushChange {
     let Some(offset) = Offset::of(used, target) else { return BrushChange::default() };
     BrushChange::of_clay(offset.stamp(site.surface, site.symmetry))
 }
@@ -135,7 +135,7 @@ pub fn change(used: &BrushUse, site: &Site, target: impl Fn(Vec3) -> Target) -> 
 /// Returns the change of a use that moves the surface to the plane through the centre of the ball, by its strength.
 pub(crate) fn to_plane(used: &BrushUse, site: &Site, lowers: bool, raises: bool) -> BrushChange {
     let strength = used.get(STRENGTH);
-    change(used, site, |normal| Target::Plane { normal, strength, lowers, raises })
+    change(used, site, |normal| OffsetTarget::Plane { normal, strength, lowers, raises })
 }
 
 /// Moves the surface to the plane from both sides, and then applies a filter to the voxels where the brush has at least
@@ -147,7 +147,7 @@ pub(crate) fn to_plane_then(
     filter: impl Fn(&Near) -> Filtered,
 ) -> BrushChange {
     let strength = used.get(STRENGTH);
-    let plane = |normal| Target::Plane { normal, strength, lowers: true, raises: true };
+    let plane = |normal| OffsetTarget::Plane { normal, strength, lowers: true, raises: true };
     let Some(offset) = Offset::of(used, plane) else { return BrushChange::default() };
     let levelled = offset.stamp(site.surface, site.symmetry);
     let balls = offset.balls(site.surface, site.symmetry);
@@ -155,14 +155,14 @@ pub(crate) fn to_plane_then(
 }
 
 /// Returns the change of a use that moves the surface along the normal, by its height.
-pub(crate) fn along_normal(used: &BrushUse, site: &Site, profile: Profile) -> BrushChange {
+pub(crate) fn along_normal(used: &BrushUse, site: &Site, profile: OffsetProfile) -> BrushChange {
     let height = used.get(HEIGHT);
-    change(used, site, |normal| Target::Drawn { normal, height, profile })
+    change(used, site, |normal| OffsetTarget::Drawn { normal, height, profile })
 }
 
 impl Offset {
     /// Returns the brush of a use in a ball. `target`: maps the outward normal to the target of the surface.
-    fn of(used: &BrushUse, target: impl Fn(Vec3) -> Target) -> Option<Offset> {
+    fn of(used: &BrushUse, target: impl Fn(Vec3) -> OffsetTarget) -> Option<Offset> {
         let ball = used.ball()?;
         let target = match ball.frame {
             BrushDirection::Normal(normal) => target(normal.normalize_or(Vec3::Y)),
@@ -185,8 +185,8 @@ impl Offset {
         let images = symmetry.images(dims, grid.voxel_size());
         let origin = origin_of(&images);
         let normal = match self.target {
-            Target::Plane { normal, .. } | Target::Drawn { normal, .. } => normal,
-            Target::Along(_) => Vec3::Y,
+            OffsetTarget::Plane { normal, .. } | OffsetTarget::Drawn { normal, .. } => normal,
+            OffsetTarget::Along(_) => Vec3::Y,
         };
         let ball = |image: &SymmetryTransform| BallImage {
             origin,
@@ -201,16 +201,18 @@ impl Offset {
 
     fn one(&self, grid: &Grid, ball: &BallImage) -> Stamp {
         let reach = match self.target {
-            Target::Along(height) | Target::Drawn { height, .. } => height.abs() + 1.0,
-            Target::Plane { .. } => PLANE_REACH + 1.0,
+            OffsetTarget::Along(height) | OffsetTarget::Drawn { height, .. } => height.abs() + 1.0,
+            OffsetTarget::Plane { .. } => PLANE_REACH + 1.0,
         };
         let edges = ball.edges.as_vec3();
         let around = (Vec3::splat(reach) / edges).ceil().as_ivec3();
         let Some(bounds) = self.bounds(grid, ball, around) else { return Stamp::default() };
         let block = BitBlock::of_grid(grid, bounds.min - around - 1, bounds.max + around + 1);
         let (raises, lowers) = match self.target {
-            Target::Along(height) | Target::Drawn { height, .. } => (height > 0.0, height < 0.0),
-            Target::Plane { raises, lowers, strength, .. } => {
+            OffsetTarget::Along(height) | OffsetTarget::Drawn { height, .. } => {
+                (height > 0.0, height < 0.0)
+            }
+            OffsetTarget::Plane { raises, lowers, strength, .. } => {
                 (raises && strength > 0.0, lowers && strength > 0.0)
             }
         };
@@ -275,14 +277,14 @@ impl Offset {
         let p = ball.relative(v);
         let share = ball.share(p);
         match self.target {
-            Target::Along(height) => away < height * share,
-            Target::Plane { strength, .. } => {
+            OffsetTarget::Along(height) => away < height * share,
+            OffsetTarget::Plane { strength, .. } => {
                 let share = share * strength;
                 away < PLANE_REACH
                     && (share - 1.0) * away - share * ball.height(p) > 0.0
                     && faces(to_clay, v, ball.normal)
             }
-            Target::Drawn { height, profile, .. } => {
+            OffsetTarget::Drawn { height, profile, .. } => {
                 let pull = Pull { direction: -ball.normal, height, profile };
                 ball.is_drawn_from(to_clay, v, away, pull)
             }
@@ -295,12 +297,12 @@ impl Offset {
         let p = ball.relative(v);
         let share = ball.share(p);
         match self.target {
-            Target::Along(height) => away < -height * share,
-            Target::Plane { strength, .. } => {
+            OffsetTarget::Along(height) => away < -height * share,
+            OffsetTarget::Plane { strength, .. } => {
                 let share = share * strength;
                 (1.0 - share) * away.min(PLANE_REACH) - share * ball.height(p) <= 0.0
             }
-            Target::Drawn { height, profile, .. } => {
+            OffsetTarget::Drawn { height, profile, .. } => {
                 let pull = Pull { direction: ball.normal, height: -height, profile };
                 ball.is_drawn_from(to_room, v, away, pull)
             }

@@ -3,7 +3,7 @@
 use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
 
-use super::offset::{Offset, Profile, Target};
+use super::offset::{Offset, OffsetProfile, OffsetTarget};
 use crate::sculpture::Grid;
 use crate::sculpture::brick::local_coords;
 use crate::tools::brush::falloff::Falloff;
@@ -41,7 +41,7 @@ fn used(before: &Grid, offset: &Offset, symmetry: Symmetry) -> Grid {
     after
 }
 
-fn brush(target: Target, centre_vx: [f32; 3], radius: f32) -> Offset {
+fn brush(target: OffsetTarget, centre_vx: [f32; 3], radius: f32) -> Offset {
     Offset { target, centre_vx: centre_vx.into(), radius, falloff: Falloff::Flat }
 }
 
@@ -52,24 +52,24 @@ fn plane(normal: [f32; 3], strength: f32) -> Plane {
     (Vec3::from(normal).normalize_or(Vec3::Y), strength)
 }
 
-fn to_plane((normal, strength): Plane, [lowers, raises]: [bool; 2]) -> Target {
-    Target::Plane { normal, strength, lowers, raises }
+fn to_plane((normal, strength): Plane, [lowers, raises]: [bool; 2]) -> OffsetTarget {
+    OffsetTarget::Plane { normal, strength, lowers, raises }
 }
 
-fn flatten(plane: Plane) -> Target {
+fn flatten(plane: Plane) -> OffsetTarget {
     to_plane(plane, [true, true])
 }
 
-fn scrape(plane: Plane) -> Target {
+fn scrape(plane: Plane) -> OffsetTarget {
     to_plane(plane, [true, false])
 }
 
-fn fill(plane: Plane) -> Target {
+fn fill(plane: Plane) -> OffsetTarget {
     to_plane(plane, [false, true])
 }
 
-fn drawn(normal: Vec3, height: f32, profile: Profile) -> Target {
-    Target::Drawn { normal: normal.normalize_or(Vec3::Y), height, profile }
+fn drawn(normal: Vec3, height: f32, profile: OffsetProfile) -> OffsetTarget {
+    OffsetTarget::Drawn { normal: normal.normalize_or(Vec3::Y), height, profile }
 }
 
 /// Returns the height of the column of clay at x, z, if it has no gaps.
@@ -84,7 +84,7 @@ fn height(grid: &Grid, x: i32, z: i32) -> i32 {
 fn a_flat_face_rises_by_the_height_and_sinks_by_it() {
     let before = cube(48, |v| v.y < 24);
     for by in [5, -5] {
-        let deform = brush(Target::Along(by as f32), [24.0, 24.0, 24.0], 16.0);
+        let deform = brush(OffsetTarget::Along(by as f32), [24.0, 24.0, 24.0], 16.0);
         let after = used(&before, &deform, Symmetry::default());
         assert_eq!(height(&after, 24, 24), 24 + by);
         assert_eq!(height(&after, 24, 5), 24);
@@ -96,7 +96,7 @@ fn a_flat_face_rises_by_the_height_and_sinks_by_it() {
     }
     // Voxels twice as high: half as many.
     let before = grid(UVec3::new(48, 32, 48), Vec3::new(1.0, 2.0, 1.0), |v| v.y < 12);
-    let deform = brush(Target::Along(6.0), [24.0, 12.0, 24.0], 16.0);
+    let deform = brush(OffsetTarget::Along(6.0), [24.0, 12.0, 24.0], 16.0);
     assert_eq!(height(&used(&before, &deform, Symmetry::default()), 24, 24), 15);
 }
 
@@ -107,7 +107,7 @@ fn a_ball_grows_and_shrinks_as_a_ball() {
     let before = ball(18.0);
     for by in [4.0, -4.0, 2.5] {
         // Wide and flat, so that all of the ball moves equally far.
-        let deform = brush(Target::Along(by), centre.to_array(), 60.0);
+        let deform = brush(OffsetTarget::Along(by), centre.to_array(), 60.0);
         let after = used(&before, &deform, Symmetry::default());
         // The steps of a round surface account for up to half a voxel.
         let volume = after.opaque_count() as f64;
@@ -158,7 +158,7 @@ fn nothing_is_filled_behind_a_wall() {
 fn draw_moves_all_of_the_surface_in_one_direction() {
     let before = cube(64, |v| v.y < 24 || v.y < 32 && v.x > 40);
     for by in [6, -6] {
-        let up = drawn(Vec3::Y * 3.0, by as f32, Profile::Falloff);
+        let up = drawn(Vec3::Y * 3.0, by as f32, OffsetProfile::Falloff);
         let at = [32.0, 24.0, 32.0];
         let after = used(&before, &brush(up, at, 28.0), Symmetry::default());
         for (x, z) in [(32, 32), (24, 32), (32, 40)] {
@@ -171,7 +171,7 @@ fn draw_moves_all_of_the_surface_in_one_direction() {
     }
     // The ground does not show through a thin wall above it, and the wall is not raised as a floating sheet.
     let thin = cube(48, |v| v.y == 24 || v.y < 12);
-    let up = drawn(Vec3::Y, 5.0, Profile::Falloff);
+    let up = drawn(Vec3::Y, 5.0, OffsetProfile::Falloff);
     let after = used(&thin, &brush(up, [24.0, 25.0, 24.0], 12.0), Symmetry::default());
     assert!((24..30).all(|y| after.get(IVec3::new(24, y, 24))));
     assert!((12..24).all(|y| !after.get(IVec3::new(24, y, 24))));
@@ -185,7 +185,7 @@ fn draw_lowers_a_full_grid_from_its_border() {
         at[axis] = end as f32;
         let mut normal = Vec3::ZERO;
         normal[axis] = if end == 0 { -1.0 } else { 1.0 };
-        let deform = brush(drawn(normal, -5.0, Profile::Falloff), at.to_array(), 16.0);
+        let deform = brush(drawn(normal, -5.0, OffsetProfile::Falloff), at.to_array(), 16.0);
         let after = used(&before, &deform, Symmetry::default());
         let depth = |beside: i32| {
             let mut v = IVec3::splat(21 + beside);
@@ -206,7 +206,7 @@ fn draw_raises_a_slope_along_its_normal() {
     let normal = Vec3::new(1.0, 2.0, -0.5).normalize();
     let slope = |up: f32| move |v: IVec3| (v.as_vec3() + 0.5 - 32.0).dot(normal) < up;
     let before = cube(64, slope(0.0));
-    let up = drawn(normal, 5.5, Profile::Falloff);
+    let up = drawn(normal, 5.5, OffsetProfile::Falloff);
     let after = used(&before, &brush(up, [32.0; 3], 28.0), Symmetry::default());
     let meant = cube(64, slope(5.5));
     let near = |v: &IVec3| (v.as_vec3() + 0.5 - 32.0).length() < 11.0;
@@ -226,7 +226,8 @@ fn a_crease_is_narrower_than_what_draw_digs() {
         let after = used(&before, &brush, Symmetry::default());
         (32..54).map(|x| 32 - height(&after, x, 32)).collect::<Vec<i32>>()
     };
-    let (dug, creased) = (depths(down(Profile::Falloff)), depths(down(Profile::Squared)));
+    let (dug, creased) =
+        (depths(down(OffsetProfile::Falloff)), depths(down(OffsetProfile::Squared)));
     assert!(creased[0] >= 7 && dug[0] >= 7, "{creased:?} {dug:?}");
     assert!(creased.iter().zip(&dug).all(|(crease, dug)| crease <= dug), "{creased:?} {dug:?}");
     assert!(creased.iter().sum::<i32>() * 3 < dug.iter().sum::<i32>() * 2, "{creased:?} {dug:?}");
@@ -238,11 +239,11 @@ fn any_deform() -> impl Strategy<Value = Offset> {
         (Vec3::from(normal).try_normalize().unwrap_or(Vec3::Y), strength)
     });
     let brush = (0..6, -8.0f32..8.0, plane).prop_map(|(kind, height, plane)| match kind {
-        0 => Target::Along(height),
+        0 => OffsetTarget::Along(height),
         1 => flatten(plane),
         2 => scrape(plane),
-        3 => drawn(plane.0, height, Profile::Falloff),
-        4 => drawn(plane.0, height, Profile::Squared),
+        3 => drawn(plane.0, height, OffsetProfile::Falloff),
+        4 => drawn(plane.0, height, OffsetProfile::Squared),
         _ => fill(plane),
     });
     let place = prop::array::uniform3(prop_oneof![4 => -6.0f32..40.0, 1 => Just(16.5f32)]);
@@ -281,8 +282,10 @@ proptest! {
             prop_assert_eq!(after.opaque_count(), 0);
         }
         let (adds, removes) = match deform.target {
-            Target::Along(height) | Target::Drawn { height, .. } => (height > 0.0, height < 0.0),
-            Target::Plane { raises, lowers, .. } => (raises, lowers),
+            OffsetTarget::Along(height) | OffsetTarget::Drawn { height, .. } => {
+                (height > 0.0, height < 0.0)
+            }
+            OffsetTarget::Plane { raises, lowers, .. } => (raises, lowers),
         };
         for v in voxels(before.dims()) {
             let (was, is) = (before.get(v), after.get(v));
@@ -291,10 +294,12 @@ proptest! {
             prop_assert!(was == is || if is { adds } else { removes }, "{}", v);
         }
         let target = match deform.target {
-            Target::Along(_) => Target::Along(0.0),
-            Target::Drawn { normal, profile, .. } => Target::Drawn { normal, profile, height: 0.0 },
-            Target::Plane { normal, lowers, raises, .. } => {
-                Target::Plane { normal, lowers, raises, strength: 0.0 }
+            OffsetTarget::Along(_) => OffsetTarget::Along(0.0),
+            OffsetTarget::Drawn { normal, profile, .. } => {
+                OffsetTarget::Drawn { normal, profile, height: 0.0 }
+            }
+            OffsetTarget::Plane { normal, lowers, raises, .. } => {
+                OffsetTarget::Plane { normal, lowers, raises, strength: 0.0 }
             }
         };
         let still = Offset { target, ..deform };

@@ -10,7 +10,7 @@ use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, local_index};
 use crate::sculpture::{Brick, Rgb};
 
 /// The transported colours of the voxels of a brick, valid where its mask in the list is set.
-pub(super) type Colours = (UVec3, Box<[Rgb; BRICK_VOXELS as usize]>);
+pub(super) type PulledColours = (UVec3, Box<[Rgb; BRICK_VOXELS as usize]>);
 
 /// The change that a pull makes.
 #[derive(Default)]
@@ -18,7 +18,7 @@ pub struct Pulled {
     /// Voxels to remove, to add and to recolour, among them those added.
     pub stamp: Stamp,
     /// The colours, in the order of the bricks of `stamp.paint`.
-    pub(super) colours: Vec<Colours>,
+    pub(super) colours: Vec<PulledColours>,
 }
 
 impl Pulled {
@@ -37,13 +37,13 @@ impl Pulled {
             parts.into_iter().map(|part| (part.stamp, part.colours)).unzip();
         let masks: Vec<Vec<(UVec3, Brick)>> =
             stamps.iter().map(|stamp| stamp.paint.bricks().to_vec()).collect();
-        let mut all: Vec<(Colours, Brick)> = colours
+        let mut all: Vec<(PulledColours, Brick)> = colours
             .into_iter()
             .zip(masks)
             .flat_map(|(colours, masks)| colours.into_iter().zip(masks.into_iter().map(|m| m.1)))
             .collect();
         all.sort_by_key(|((b, _), _)| (b.z, b.y, b.x));
-        let mut merged: Vec<Colours> = Vec::new();
+        let mut merged: Vec<PulledColours> = Vec::new();
         for ((brick, colours), mask) in all {
             match merged.last_mut() {
                 Some((last, kept)) if *last == brick => {

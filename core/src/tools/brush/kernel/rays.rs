@@ -11,12 +11,12 @@ use crate::sculpture::bit_block::BitBlock;
 use crate::sculpture::region::ListedBricks;
 use crate::tools::brush::BrushUse;
 use crate::tools::brush::change::Site;
-use crate::tools::brush::footprint::{Footprint, Outline, Touch};
+use crate::tools::brush::footprint::{Footprint, Outline, TouchedVoxel};
 use crate::tools::brush::keys::{REACH, THRESHOLD};
 
 /// The surface voxels under a footprint, and a box of all that may change around them.
 struct Touched {
-    touches: Vec<Touch>,
+    touches: Vec<TouchedVoxel>,
     min: IVec3,
     max: IVec3,
 }
@@ -49,7 +49,10 @@ pub fn seen(footprint: &Footprint, site: &Site) -> ListedBricks {
         return ListedBricks::default();
     };
     let mut seen = BitBlock::empty(touched.min, touched.max);
-    touched.touches.iter().for_each(|Touch { voxel: v, .. }| seen.set_span(v.x, v.x, v.y, v.z));
+    touched
+        .touches
+        .iter()
+        .for_each(|TouchedVoxel { voxel: v, .. }| seen.set_span(v.x, v.x, v.y, v.z));
     ListedBricks::new(seen.bricks(site.contents.grid.brick_dims()))
 }
 

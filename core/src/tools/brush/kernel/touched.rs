@@ -1,6 +1,6 @@
 //! Finds the surface voxels that a footprint selects.
 //!
-//! From a footprint and a grid to [`Touch`]es. A footprint selects either the visible voxels whose projection lies
+//! From a footprint and a grid to [`TouchedVoxel`]s. A footprint selects either the visible voxels whose projection lies
 //! inside its outline ([`visible`]) or, for commands recorded by earlier versions, the voxels that its rays meet.
 //! Changes nothing; knows no brush.
 
@@ -9,11 +9,11 @@ use std::collections::HashSet;
 use super::visible;
 use crate::sculpture::Grid;
 use crate::surface::raycast;
-use crate::tools::brush::footprint::{Coverage, Footprint, Touch};
+use crate::tools::brush::footprint::{Coverage, Footprint, TouchedVoxel};
 
 impl Footprint {
     /// Returns the voxels of `surface` that this footprint selects, each once.
-    pub fn touched(&self, surface: &Grid) -> Vec<Touch> {
+    pub fn touched(&self, surface: &Grid) -> Vec<TouchedVoxel> {
         match self.coverage {
             Coverage::Rays => self.met_by_rays(surface),
             Coverage::Visible => visible::under(self, surface),
@@ -21,7 +21,7 @@ impl Footprint {
     }
 
     /// Returns the voxels that the rays meet, each with its smallest offset.
-    fn met_by_rays(&self, surface: &Grid) -> Vec<Touch> {
+    fn met_by_rays(&self, surface: &Grid) -> Vec<TouchedVoxel> {
         let reach = self.radius as i32;
         let mut seen = HashSet::new();
         let mut touched = Vec::new();
@@ -41,7 +41,7 @@ impl Footprint {
             if let Some(hit) = raycast::cast(surface, self.eye_vx, direction)
                 && seen.insert(hit.voxel)
             {
-                touched.push(Touch { voxel: hit.voxel.as_ivec3(), offset });
+                touched.push(TouchedVoxel { voxel: hit.voxel.as_ivec3(), offset });
             }
         }
         touched

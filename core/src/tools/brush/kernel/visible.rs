@@ -23,7 +23,7 @@ use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, local_coords};
 use crate::sculpture::{Grid, NO_VOXEL};
 use crate::surface::IndexMap;
 use crate::surface::raycast::{self, sample};
-use crate::tools::brush::footprint::{Footprint, Touch};
+use crate::tools::brush::footprint::{Footprint, TouchedVoxel};
 use crate::view::PixelRays;
 
 /// Height above a face of the point that may be seen instead of its centre, in voxels: still within the empty voxel
@@ -61,7 +61,7 @@ const LEAST_VOLUME: f64 = 1e-9;
 const BLOCK_BRICKS: u32 = 4;
 
 /// Returns the voxels of `grid` under `footprint`.
-pub fn under(footprint: &Footprint, grid: &Grid) -> Vec<Touch> {
+pub fn under(footprint: &Footprint, grid: &Grid) -> Vec<TouchedVoxel> {
     let middle =
         raycast::cast(grid, footprint.eye_vx, footprint.aim).map(|hit| hit.voxel.as_ivec3());
     let mut touched = match Cone::new(footprint) {
@@ -75,7 +75,7 @@ pub fn under(footprint: &Footprint, grid: &Grid) -> Vec<Touch> {
     if let Some(voxel) = middle
         && touched.iter().all(|touch| touch.voxel != voxel)
     {
-        touched.push(Touch { voxel, offset: 0.0 });
+        touched.push(TouchedVoxel { voxel, offset: 0.0 });
     }
     touched
 }
@@ -303,7 +303,7 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    fn touched(&self) -> Vec<Touch> {
+    fn touched(&self) -> Vec<TouchedVoxel> {
         let blocks = self.grid.occupancy_dims();
         let rows = (0..blocks.y * blocks.z).into_par_iter();
         rows.flat_map_iter(|row| {
@@ -316,7 +316,7 @@ impl Search<'_> {
         .collect()
     }
 
-    fn add_block(&self, block: UVec3, touched: &mut Vec<Touch>) {
+    fn add_block(&self, block: UVec3, touched: &mut Vec<TouchedVoxel>) {
         let mut occupied = self.grid.occupancy_word(block);
         let first = block * BLOCK_BRICKS;
         if occupied == 0 || !self.may_be_seen(first, BLOCK_BRICKS) {
@@ -344,7 +344,7 @@ impl Search<'_> {
         near <= hidden
     }
 
-    fn add_brick(&self, b: UVec3, touched: &mut Vec<Touch>) {
+    fn add_brick(&self, b: UVec3, touched: &mut Vec<TouchedVoxel>) {
         let corner = (b * BRICK_EDGE_VX).as_vec3();
         let from_eye = corner - self.cone.eye;
         let brick = self.grid.brick(b);
@@ -364,7 +364,7 @@ impl Search<'_> {
             let voxel = (corner + v).as_ivec3();
             let is_set = |brick: &Brick| brick.words[local as usize >> 6] >> (local & 63) & 1 != 0;
             if is_set(&met) || self.is_seen(voxel, middle, open.each_ref().map(is_set)) {
-                touched.push(Touch { voxel, offset: distance / footprint.radius.max(1.0) });
+                touched.push(TouchedVoxel { voxel, offset: distance / footprint.radius.max(1.0) });
             }
         });
     }

@@ -6,7 +6,7 @@ use super::super::body::{Body, ProfilePoint, Stretch};
 use super::super::parts::MinkowskiParts;
 use super::super::simd_real::SimdReal;
 use super::super::spec::{RowMethod, SolidSpec};
-use super::super::sweep::{Across, Times, widest_base};
+use super::super::sweep::{PerpendicularMotion, Times, widest_base};
 use crate::tools::texture;
 
 const RIM: Vec2 = Vec2::new(1.0, -1.0);
@@ -44,7 +44,7 @@ pub fn passes<N: SimdReal>(
     times.keep_within(y, displacement.y, 1.0 + margin);
     // The radius at the height of the point: at the start, and its growth with time.
     let (radius, grows) = (y * -0.5 + (0.5 + margin), 0.5 * displacement.y);
-    let across = Across::new(x, z, displacement);
+    let across = PerpendicularMotion::new(x, z, displacement);
     let deepest = times.clamp(across.deepest_in_cone(grows));
     let radius = (radius + deepest * grows).min(x.all(widest_base(margin)));
     let within = across.squared(deepest).at_most(radius * radius);

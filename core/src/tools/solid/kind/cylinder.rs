@@ -6,7 +6,7 @@ use super::super::body::{Body, ProfilePoint, Stretch};
 use super::super::parts::MinkowskiParts;
 use super::super::simd_real::SimdReal;
 use super::super::spec::{RowMethod, SolidSpec};
-use super::super::sweep::{Across, Times};
+use super::super::sweep::{PerpendicularMotion, Times};
 use crate::tools::texture;
 
 const TOP: Vec2 = Vec2::new(1.0, 1.0);
@@ -50,7 +50,7 @@ pub fn passes<N: SimdReal>(
     let most = 1.0 + margin;
     let mut times = Times::all(x);
     times.keep_within(y, displacement.y, most);
-    let across = Across::new(x, z, displacement);
+    let across = PerpendicularMotion::new(x, z, displacement);
     let squared = across.squared(times.clamp(across.foot));
     times.are_some()
         & squared.at_most(x.all(most.max(0.0) * most))

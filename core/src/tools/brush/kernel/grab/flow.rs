@@ -9,7 +9,7 @@ use glam::{DVec3, IVec3, UVec3};
 use rayon::prelude::*;
 
 use super::field::{FINE, MARGIN_VX, SmoothedBits};
-use super::motion::{EDGE, Pull, Row};
+use super::motion::{EDGE, Pull, RowVectors};
 use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, BrickKind, local_index};
 use crate::sculpture::history::Contents;
 use crate::sculpture::region::{ListedBricks, VoxelBox};
@@ -196,7 +196,7 @@ impl Flow<'_> {
                 *along = (from[0] + x as f64) as f32;
             }
         }
-        let mut arrived: Row = [[0.0; EDGE]; 3];
+        let mut arrived: RowVectors = [[0.0; EDGE]; 3];
         for step in (0..self.steps).rev() {
             let mut from = self.before(&from_centres, &arrived, &arrived, step + 1);
             for _ in 0..ROUNDS {
@@ -219,16 +219,16 @@ impl Flow<'_> {
     #[inline(always)]
     fn before<const PULLS: usize>(
         &self,
-        from_centres: &[Row; PULLS],
-        arrived: &Row,
-        at: &Row,
+        from_centres: &[RowVectors; PULLS],
+        arrived: &RowVectors,
+        at: &RowVectors,
         step: usize,
-    ) -> Row {
+    ) -> RowVectors {
         let mut shifts = [[[0.0; EDGE]; 3]; PULLS];
         let scale = self.stretch.as_vec3().to_array();
         for ((pull, from_centre), shift) in self.pulls.iter().zip(from_centres).zip(&mut shifts) {
             let centre = (pull.displacement() * step as f64).as_vec3().to_array();
-            let mut from: Row = [[0.0; EDGE]; 3];
+            let mut from: RowVectors = [[0.0; EDGE]; 3];
             for axis in 0..3 {
                 for x in 0..EDGE {
                     let here = from_centre[axis][x] + (at[axis][x] - centre[axis]);

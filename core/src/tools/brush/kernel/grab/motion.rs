@@ -12,7 +12,7 @@ use crate::tools::brush::falloff::Falloff;
 use crate::tools::symmetry::SymmetryTransform;
 
 /// One number along each axis for eight voxels of a row of a brick.
-pub type Row = [[f32; EDGE]; 3];
+pub type RowVectors = [[f32; EDGE]; 3];
 pub const EDGE: usize = BRICK_EDGE_VX as usize;
 
 /// The motion of the clay in a ball.
@@ -131,11 +131,11 @@ impl Pull {
     #[inline(always)]
     pub fn shift(
         &self,
-        from_centre: &Row,
+        from_centre: &RowVectors,
         stretch: DVec3,
         radius: f64,
         falloff: Falloff,
-        shift: &mut Row,
+        shift: &mut RowVectors,
     ) {
         let inverse = (1.0 / radius) as f32;
         let inverse = inverse * inverse;

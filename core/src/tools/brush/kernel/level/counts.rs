@@ -11,7 +11,7 @@ use glam::{IVec3, UVec3};
 use rayon::prelude::*;
 
 use super::field::CellGrid;
-use super::hidden::{Hidden, HiddenShare, Shares, brick_of};
+use super::hidden::{Hidden, HiddenShare, HiddenShares, brick_of};
 use crate::sculpture::Grid;
 use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, BrickKind, WORD_EDGE_VX};
 
@@ -23,7 +23,7 @@ const EDGE: i32 = BRICK_EDGE_VX as i32;
 const FIRST_OF_WORD: [u64; 3] = [0x1111_1111_1111_1111, 0x000f_000f_000f_000f, 0xffff];
 
 /// The part of a brick that lies in one cell and in the words at one position, along one axis.
-struct Part {
+struct CellOverlap {
     cell: usize,
     /// Its thickness in voxels.
     voxels: u32,
@@ -34,20 +34,20 @@ struct Part {
 }
 
 /// The parts of all bricks along an axis.
-struct Axis {
+struct AxisOverlaps {
     /// The first brick.
     first: i32,
-    parts: Vec<Vec<Part>>,
+    parts: Vec<Vec<CellOverlap>>,
 }
 
-impl Axis {
-    fn new(cells: &CellGrid, axis: usize) -> Axis {
+impl AxisOverlaps {
+    fn new(cells: &CellGrid, axis: usize) -> AxisOverlaps {
         let (voxels, edge) = (cells.voxels(), cells.edge[axis]);
         let (min, max) = (voxels.min[axis], voxels.max[axis]);
         let first = min.div_euclid(EDGE);
         let bricks = first..(max - 1).div_euclid(EDGE) + 1;
         let parts = |b: i32| {
-            let mut parts: Vec<Part> = Vec::new();
+            let mut parts: Vec<CellOverlap> = Vec::new();
             for local in 0..BRICK_EDGE_VX {
                 let at = b * EDGE + local as i32;
                 if !(min..max).contains(&at) {
@@ -56,7 +56,7 @@ impl Axis {
                 let cell = ((at - min) / edge) as usize;
                 let word = ((local / WORD_EDGE_VX) as usize) << axis;
                 if parts.last().is_none_or(|part| (part.cell, part.word) != (cell, word)) {
-                    parts.push(Part { cell, voxels: 0, word, mask: 0 });
+                    parts.push(CellOverlap { cell, voxels: 0, word, mask: 0 });
                 }
                 if let Some(part) = parts.last_mut() {
                     part.voxels += 1;
@@ -65,11 +65,11 @@ impl Axis {
             }
             parts
         };
-        Axis { first, parts: bricks.map(parts).collect() }
+        AxisOverlaps { first, parts: bricks.map(parts).collect() }
     }
 
     /// Returns the bricks along the axis that have a part in a range of cells, with those parts.
-    fn within(&self, cells: Range<usize>) -> impl Iterator<Item = (i32, &[Part])> {
+    fn within(&self, cells: Range<usize>) -> impl Iterator<Item = (i32, &[CellOverlap])> {
         self.all().filter_map(move |(b, parts)| {
             let from = parts.partition_point(|part| part.cell < cells.start);
             let to = parts.partition_point(|part| part.cell < cells.end);
@@ -82,7 +82,7 @@ impl Axis {
         self.first + self.parts.len() as i32
     }
 
-    fn all(&self) -> impl Iterator<Item = (i32, &[Part])> {
+    fn all(&self) -> impl Iterator<Item = (i32, &[CellOverlap])> {
         (self.first..).zip(&self.parts).map(|(b, parts)| (b, parts.as_slice()))
     }
 }
@@ -92,13 +92,13 @@ pub fn counts(grid: &Grid, cells: &CellGrid, hidden: &Hidden) -> (Vec<f64>, Vec<
     let UVec3 { x: width, y: height, z: depth } = cells.counted;
     let layer = (width * height) as usize;
     let layers = (LAYERS / cells.edge.z).max(1) as usize;
-    let axes = [0, 1, 2].map(|axis| Axis::new(cells, axis));
-    let bricks = |of: fn(&Axis) -> i32| IVec3::from(axes.each_ref().map(of));
-    let shares = hidden.shares(bricks(|axis| axis.first), bricks(Axis::end));
+    let axes = [0, 1, 2].map(|axis| AxisOverlaps::new(cells, axis));
+    let bricks = |of: fn(&AxisOverlaps) -> i32| IVec3::from(axes.each_ref().map(of));
+    let shares = hidden.shares(bricks(|axis| axis.first), bricks(AxisOverlaps::end));
     let mut both = vec![[0u32; 2]; layer * depth as usize];
     both.par_chunks_mut((layer * layers).max(1)).enumerate().for_each(|(i, out)| {
         let first = i * layers;
-        let slab = Slab { grid, shares: &shares, axes: &axes, group: group(cells), first };
+        let slab = CellSlab { grid, shares: &shares, axes: &axes, group: group(cells), first };
         dispatch!(Level::new(), _simd => slab.count(width as usize, layer, out));
     });
     both.iter().map(|[clay, all]| (f64::from(*clay), f64::from(*all))).unzip()
@@ -114,16 +114,16 @@ fn group(cells: &CellGrid) -> u32 {
 }
 
 /// Some layers of cells.
-struct Slab<'a> {
+struct CellSlab<'a> {
     grid: &'a Grid,
-    shares: &'a Shares<'a>,
-    axes: &'a [Axis; 3],
+    shares: &'a HiddenShares<'a>,
+    axes: &'a [AxisOverlaps; 3],
     group: u32,
     /// The first layer.
     first: usize,
 }
 
-impl Slab<'_> {
+impl CellSlab<'_> {
     /// Adds the counts to `out`, which consists of rows of `width` cells and layers of `layer`.
     #[inline(always)]
     fn count(&self, width: usize, layer: usize, out: &mut [[u32; 2]]) {
@@ -132,13 +132,13 @@ impl Slab<'_> {
         // The share of uniform bricks in each cell of a row, as a length in x.
         let mut row = vec![[0u32; 2]; width];
         // The parts of a row of bricks in rows of cells.
-        let mut rows: Vec<Row> = Vec::new();
+        let mut rows: Vec<CellRow> = Vec::new();
         for (z, parts_z) in deep.within(self.first..self.first + layers) {
             for (y, parts_y) in up.all() {
                 rows.clear();
                 for pz in parts_z {
                     for py in parts_y {
-                        rows.push(Row {
+                        rows.push(CellRow {
                             start: (pz.cell - self.first) * layer + py.cell * width,
                             section: pz.voxels * py.voxels,
                             word: pz.word + py.word,
@@ -178,7 +178,7 @@ impl Slab<'_> {
                         }
                     }
                 }
-                for Row { start, section, .. } in &rows {
+                for CellRow { start, section, .. } in &rows {
                     for (sum, by) in out[*start..*start + width].iter_mut().zip(&row) {
                         sum[0] += by[0] * section;
                         sum[1] += by[1] * section;
@@ -213,7 +213,7 @@ impl Slab<'_> {
 }
 
 /// The part of a row of bricks that lies in one row of cells.
-struct Row {
+struct CellRow {
     /// The first cell.
     start: usize,
     /// Number of voxels of the part with one x.
@@ -224,10 +224,10 @@ struct Row {
     mask: u64,
 }
 
-impl Row {
+impl CellRow {
     /// Returns the number of voxels of a brick in the cell of `x`.
     #[inline(always)]
-    fn count(&self, x: &Part, brick: &Brick) -> u32 {
+    fn count(&self, x: &CellOverlap, brick: &Brick) -> u32 {
         (brick.words[self.word + x.word] & self.mask & x.mask).count_ones()
     }
 }

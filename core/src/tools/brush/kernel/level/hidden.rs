@@ -228,7 +228,7 @@ impl Hidden {
     }
 
     /// Returns the shares of all bricks from `first` to `end` (exclusive).
-    pub fn shares(&self, first: IVec3, end: IVec3) -> Shares<'_> {
+    pub fn shares(&self, first: IVec3, end: IVec3) -> HiddenShares<'_> {
         let block = IVec3::splat(BLOCK);
         let first = first.div_euclid(block);
         let size = (end - 1).div_euclid(block) + 1 - first;
@@ -238,7 +238,7 @@ impl Hidden {
             self.share((first + at) * edge, edge)
         };
         let blocks = (0..size.max(IVec3::ZERO).element_product()).map(of).collect();
-        Shares { hidden: self, first, size, blocks }
+        HiddenShares { hidden: self, first, size, blocks }
     }
 
     /// Adds the hidden space around a grid to a block of its voxels.
@@ -251,7 +251,7 @@ impl Hidden {
 }
 
 /// How much of each brick may be hidden space.
-pub struct Shares<'a> {
+pub struct HiddenShares<'a> {
     pub hidden: &'a Hidden,
     /// The first block, in blocks.
     first: IVec3,
@@ -259,7 +259,7 @@ pub struct Shares<'a> {
     blocks: Vec<HiddenShare>,
 }
 
-impl Shares<'_> {
+impl HiddenShares<'_> {
     /// Returns the share of a brick, which must be one of these.
     #[inline(always)]
     pub fn of(&self, b: IVec3) -> HiddenShare {
