@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn what_an_argument_lifts_names_it() {
+    fn a_limit_that_an_argument_lifts_names_it() {
         let cases = [
             (
                 FormatError::UnknownEnding {

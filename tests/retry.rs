@@ -116,7 +116,7 @@ fn retry(first: &str, failing: &[&str]) -> (Output, String, Vec<String>) {
 }
 
 #[test]
-fn what_passes_alone_is_reported_with_its_first_failure_and_forgiven() {
+fn a_test_that_passes_alone_is_reported_with_its_first_failure_and_forgiven() {
     let (output, report, calls) = retry(TWO_FAILURES, &["nothing"]);
     assert!(output.status.success(), "{output:?}");
     let again = [
@@ -136,7 +136,7 @@ fn what_passes_alone_is_reported_with_its_first_failure_and_forgiven() {
 }
 
 #[test]
-fn what_fails_again_fails_the_run() {
+fn a_test_that_fails_again_fails_the_run() {
     let (output, report, calls) = retry(TWO_FAILURES, &["hand::holds"]);
     assert_eq!(output.status.code(), Some(1));
     assert_eq!(calls.len(), 4);

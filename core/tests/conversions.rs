@@ -291,7 +291,7 @@ fn every_format_that_is_read_becomes_every_one_that_is_written() {
 }
 
 #[test]
-fn what_survives_writing_is_what_the_table_says() {
+fn written_files_keep_what_the_table_says() {
     let folder = tempfile::tempdir().unwrap();
     let table = documented(WRITE_TABLE);
     let endings: Vec<&str> = table.iter().map(|(ending, _)| ending.as_str()).collect();
@@ -345,7 +345,7 @@ fn what_survives_writing_is_what_the_table_says() {
 }
 
 #[test]
-fn what_scans_and_models_keep_is_what_the_table_says() {
+fn scans_and_models_keep_what_the_table_says() {
     let folder = tempfile::tempdir().unwrap();
     let table = documented(READ_TABLE);
     for path in foreign(&folder) {

@@ -251,7 +251,7 @@ fn a_model_is_shown_as_it_is_made_whichever_way_is_up() {
 }
 
 #[test]
-fn what_is_said_about_up_is_used_or_the_person_is_told() {
+fn the_given_up_axis_is_used_or_the_person_is_told() {
     let folder = tempfile::tempdir().unwrap();
     let patient = "space: left-posterior-superior\nspace directions: (1,0,0) (0,1,0) (0,0,2)\n";
     let options = ImportOptions { upright: Some(Up::MinusX), ..ImportOptions::default() };

@@ -245,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_drawn_is_not_looked_for() {
+    fn no_font_is_sought_for_letters_that_are_not_drawn() {
         for letter in ['\u{2009}', '\u{200d}', '\u{fe0f}', '\u{feff}', '\u{e123}', '\u{a0}'] {
             assert!(!is_drawn(letter), "{letter:?}");
         }

@@ -248,7 +248,7 @@ fn four_touches_calibrate_the_tracker_and_are_kept() {
 }
 
 #[test]
-fn what_cannot_be_opened_is_said_and_the_work_goes_on() {
+fn a_tracker_that_cannot_be_opened_is_reported_and_the_work_goes_on() {
     let mut desk = Desk::new("nonsense", "");
     assert!(!desk.workspace.viewpoint.head.is_on());
     let texts: Vec<String> = desk.workspace.ui.toasts.texts().map(|(_, t)| t.to_owned()).collect();

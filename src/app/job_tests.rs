@@ -76,7 +76,7 @@ fn while_it_runs_it_is_shown_and_nothing_changes() {
 }
 
 #[test]
-fn what_is_cancelled_leaves_file_and_sculpture_as_they_were() {
+fn a_cancelled_job_leaves_file_and_sculpture_as_they_were() {
     let mut workspace = workspace();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.pvm");
@@ -327,7 +327,7 @@ fn a_film_is_work_that_changes_nothing_and_leaves_what_was_asked_for() {
 }
 
 #[test]
-fn what_undo_leads_back_to_becomes_a_time_lapse_without_any_recording() {
+fn the_undo_history_becomes_a_time_lapse_without_any_recording() {
     let mut workspace = workspace();
     let folder = tempfile::tempdir().unwrap();
     let wanted = film_request(FilmSubject::Lapse, FilmForm::Folder);
@@ -371,7 +371,7 @@ fn what_undo_leads_back_to_becomes_a_time_lapse_without_any_recording() {
 }
 
 #[test]
-fn what_was_recorded_becomes_a_time_lapse() {
+fn a_recording_becomes_a_time_lapse() {
     let mut workspace = workspace();
     let folder = tempfile::tempdir().unwrap();
     let script = folder.path().join("session.sculpt");

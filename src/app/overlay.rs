@@ -266,7 +266,7 @@ mod tests {
     use crate::ui::UiState;
 
     #[test]
-    fn what_the_sculpture_hides_of_grid_and_line_is_not_drawn() {
+    fn parts_of_grid_and_line_behind_the_sculpture_are_not_drawn() {
         let document = document();
         let state = UiState::new(&Config::default().ui_options());
         let tool = ToolState::new(document.grid().dims());
@@ -300,7 +300,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_switched_off_is_not_shown() {
+    fn lines_that_are_switched_off_are_not_shown() {
         let mut document = document();
         let mut state = UiState::new(&Config::default().ui_options());
         let mut tool = ToolState::new(document.grid().dims());
@@ -339,7 +339,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_drawn_is_shown_with_its_mirror_images() {
+    fn a_drawing_is_shown_with_its_mirror_images() {
         let mut document = document();
         let symmetry = Symmetry::of_axes([Some(Parity::Even), None, None]);
         document.apply(&Command::Symmetry(symmetry)).unwrap();

@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_picture_is_said() {
+    fn pasting_something_else_than_a_picture_is_reported() {
         let folder = tempfile::tempdir().unwrap();
         let empty = ImageData { width: 0, height: 0, bytes: Vec::new().into() };
         let short = ImageData { width: 3, height: 2, bytes: vec![1].into() };

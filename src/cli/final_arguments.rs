@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_sense_is_refused_by_name() {
+    fn senseless_arguments_are_refused_by_name() {
         for (arguments, why) in [
             ("--sun 1,2", "--sun applies to final pictures only"),
             ("--trace-on gpu", "--trace-on applies to final pictures only"),

@@ -99,7 +99,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_nearly_along_the_grid_lies_along_it() {
+    fn a_direction_near_a_grid_axis_snaps_to_it() {
         let at = Vec3::new(1.3, 2.7, 3.1);
         let (there, direction) = snapped(at, Vec3::new(-0.02, 0.01, -0.9997));
         assert_eq!((there, direction), (Vec3::new(1.5, 2.5, 3.0), Vec3::Z));

@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_rim_cuts_is_left_out_and_thin_lines_end() {
+    fn outlines_cut_by_the_rim_are_left_out_and_thin_lines_end() {
         let (dark, w, h) = picture(&["##....", "##....", "...#..", "....#.", "......"]);
         assert_eq!(outlines(&dark, w, h, 2), [vec![(3, 2), (4, 3)]]);
         assert!(outlines(&[], 0, 0, 1).is_empty());

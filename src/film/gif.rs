@@ -72,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_gif_can_be_is_refused() {
+    fn films_that_do_not_fit_into_a_gif_are_refused() {
         let good = Format { size: glam::UVec2::new(640, 480), fps: 50, frames: 2, part: 0..2 };
         assert!(check(&good).is_ok());
         assert!(check(&Format { fps: 51, ..good.clone() }).unwrap_err().contains("--fps"));

@@ -135,7 +135,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_written_is_read_and_what_is_damaged_is_not() {
+    fn a_written_cache_is_read_and_a_damaged_one_is_not() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("deeper").join("pipelines.bin");
         assert_eq!(read(&path), None, "nothing there");

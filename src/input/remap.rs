@@ -143,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_is_refused_in_words_and_changes_nothing() {
+    fn an_unfit_trigger_is_refused_with_a_reason_and_changes_nothing() {
         let mut mine = presets().remove(0);
         let before = mine.clone();
         let unfit = mine.bind(trigger("ctrl+wheel"), Action::Undo).unwrap_err();

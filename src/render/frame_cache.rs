@@ -213,7 +213,7 @@ mod tests {
     use crate::view::Camera;
 
     #[test]
-    fn what_rests_is_not_done_again_and_what_is_local_only_in_part() {
+    fn an_unchanged_frame_is_not_drawn_again_and_a_local_change_only_in_part() {
         let grid = Grid::new(glam::UVec3::splat(16), Vec3::ONE, 1 << 20).unwrap();
         let material = Material::for_grid(&grid, ColourDepth::None, Rgb::default());
         let mut document =

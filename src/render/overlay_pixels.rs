@@ -143,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn what_stays_touches_nothing_and_what_moves_both_places() {
+    fn a_resting_tool_changes_no_pixels_and_a_moving_one_both_places() {
         let (here, there) = (preview(Vec3::ZERO), preview(Vec3::new(30.0, 0.0, 0.0)));
         let frame = line(Vec3::splat(-30.0), Vec3::splat(30.0));
         assert!(changes((&[here], &[frame]), (&[here], &[frame])).is_empty());
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn what_reaches_behind_the_eye_may_be_anywhere() {
+    fn a_line_that_reaches_behind_the_eye_may_be_anywhere() {
         let behind = Vec3::Z * 200.0;
         let through = line(Vec3::ZERO, behind);
         let whole = PixelRect::of_picture(SIZE);

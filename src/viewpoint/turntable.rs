@@ -350,7 +350,7 @@ mod tests {
     }
 
     #[test]
-    fn what_comes_nearer_grows_in_either_projection() {
+    fn a_nearer_sculpture_is_larger_in_either_projection() {
         let (grid, mut turntable) = turntable();
         for orthographic in [false, true] {
             turntable.set_orthographic(orthographic);

@@ -230,7 +230,7 @@ fn the_depth_is_that_of_the_surface() {
 
 /// The pictures of the CPU are those that are drawn: colours to a level, depths to rounding.
 #[test]
-fn what_is_composed_without_a_rasterizer_is_what_the_device_draws() {
+fn a_picture_composed_without_a_rasterizer_is_as_the_device_draws_it() {
     with_device(|device| {
         let grid = scenes::cheese(64, 12, 3).unwrap();
         let eye = eye_at(Vec3::new(0.7, 0.6, 1.0), &grid);

@@ -142,7 +142,7 @@ fn staging_grows_and_what_was_pushed_stays() {
 }
 
 #[test]
-fn what_retires_waits_for_its_submission() {
+fn a_retired_object_waits_for_its_submission() {
     with_device(|device| {
         let gone = Arc::new(AtomicUsize::new(0));
         let mut frames = Frames::new(device).unwrap();

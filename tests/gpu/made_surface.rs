@@ -212,7 +212,7 @@ fn a_solid_shows_evenly_over_what_it_made_in_every_mode() {
 }
 
 #[test]
-fn what_stands_two_voxels_behind_a_wall_is_hidden_and_before_it_is_shown() {
+fn a_solid_two_voxels_behind_a_wall_is_hidden_and_one_before_it_is_shown() {
     with_device(|device| {
         let mut painter = painter(device);
         for (solid, rotation) in [

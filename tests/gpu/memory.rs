@@ -27,7 +27,7 @@ fn texture(side: usize) -> TexturesDelta {
 }
 
 #[test]
-fn where_no_block_fits_there_is_room_for_one_thing_and_a_texture_waits() {
+fn one_thing_fits_without_a_block_and_a_texture_waits() {
     if !trials::alone() {
         return;
     }

@@ -203,7 +203,7 @@ fn compare_all(device: &Arc<Device>, document: &mut Document, lighting: Lighting
 }
 
 #[test]
-fn what_the_device_shades_is_the_software_shaders_picture() {
+fn the_device_shades_the_same_picture_as_the_software_shader() {
     with_device(|device| {
         for (depth, occlusion, look, voxel_size, scale) in [
             (ColourDepth::Bits24, false, Look::Colours, Vec3::ONE, 1.0),

@@ -378,7 +378,7 @@ fn whatever_moves_is_shown_at_once_and_refined_anew() {
 }
 
 #[test]
-fn what_is_switched_off_or_transparent_is_not_refined() {
+fn transparent_pictures_are_not_refined_and_none_are_if_it_is_switched_off() {
     with_device(|device| {
         let mut document = sculpture();
         let eyes = eyes();
@@ -400,7 +400,7 @@ fn what_is_switched_off_or_transparent_is_not_refined() {
 }
 
 #[test]
-fn what_is_refined_at_once_need_not_rest_first() {
+fn a_picture_that_is_refined_at_once_need_not_rest_first() {
     with_device(|device| {
         let mut document = sculpture();
         let eyes = eyes();

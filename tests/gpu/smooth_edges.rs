@@ -130,7 +130,7 @@ fn pictures_come_nearer_to_supersampled_ones_with_every_shading() {
 
 /// Inside a surface without folds, and where there is none, nothing is mixed, whatever the colours.
 #[test]
-fn what_is_no_outline_stays_the_same_to_the_byte() {
+fn pixels_away_from_outlines_stay_the_same_to_the_byte() {
     with_device(|device| {
         let mut document = painted_ball();
         let eyes = [eye()];

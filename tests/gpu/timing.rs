@@ -130,7 +130,7 @@ fn every_mode_says_what_the_device_took_for_it() {
 }
 
 #[test]
-fn who_does_not_wait_hears_of_the_pictures_before() {
+fn the_times_without_waiting_are_of_earlier_pictures() {
     with_device(|device| {
         let mut document = document();
         let mut frames = Frames::new(device).unwrap();

@@ -57,7 +57,7 @@ fn faults_are_listed_and_mended_by_the_commands_that_are_named() {
 }
 
 #[test]
-fn what_cannot_be_asked_is_named() {
+fn invalid_options_are_named() {
     let folder = folder();
     let path = folder.path();
     std::fs::write(path.join("s.sculpt"), "new dims=8,8,8\n").unwrap();

@@ -153,7 +153,7 @@ fn a_scan_is_turned_upright_as_it_is_read() {
 /// Each of these would wait for ever if it were opened.
 #[cfg(target_os = "linux")]
 #[test]
-fn what_is_no_file_is_refused_and_not_waited_for() {
+fn a_pipe_is_refused_and_not_waited_for() {
     let folder = folder();
     let path = folder.path();
     for name in ["pipe.pvm", "pipe.vsc", "pipe.png"] {

@@ -212,7 +212,7 @@ fn animated_pictures_and_raw_video_have_the_frames_of_the_folder() {
 }
 
 #[test]
-fn what_cannot_be_filmed_is_refused_with_the_reason() {
+fn an_impossible_film_is_refused_with_the_reason() {
     let folder = folder();
     let path = folder.path();
     subjects(path);

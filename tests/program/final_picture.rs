@@ -119,7 +119,7 @@ fn linear_light_goes_to_an_exr_file() {
 }
 
 #[test]
-fn what_makes_no_final_picture_is_refused_and_nothing_written() {
+fn arguments_that_make_no_final_picture_are_refused_and_nothing_is_written() {
     let folder = folder();
     let path = folder.path();
     subject(path);

@@ -75,7 +75,7 @@ fn the_end_of_the_input_saves_and_renders() {
 
 #[cfg(unix)]
 #[test]
-fn what_was_executed_is_saved_if_the_reader_of_the_answers_goes_away() {
+fn executed_commands_are_saved_if_the_reader_of_the_answers_goes_away() {
     use std::net::Shutdown;
     use std::os::fd::OwnedFd;
     use std::os::unix::net::UnixStream;

@@ -289,7 +289,7 @@ fn a_script_has_the_same_hashes_whatever_the_number_of_threads() {
 }
 
 #[test]
-fn what_is_damaged_is_said() {
+fn a_damaged_journal_is_reported() {
     let folder = folder();
     let path = folder.path();
     let journal_dir = path.join("virtual-sculpture/journals");

@@ -88,7 +88,7 @@ fn samples_are_the_same_each_time_and_serve_both_eyes() {
 }
 
 #[test]
-fn what_is_no_number_of_samples_is_refused() {
+fn an_invalid_number_of_samples_is_refused() {
     let folder = folder();
     for samples in ["0", "65", "1.5", "-1"] {
         let why = fail(folder.path(), &["demo", &format!("--samples={samples}")], 2);

@@ -33,7 +33,7 @@ pub fn board_around(bench: Workspace) -> Bench {
 }
 
 #[test]
-fn what_needs_a_desk_is_not_on_the_board() {
+fn controls_that_need_a_desk_are_not_on_the_board() {
     let mut harness = board();
     rest(&mut harness);
     assert!(has(&harness, "Snap to voxels") && has(&harness, "Lights"));

@@ -67,7 +67,7 @@ fn a_file_that_has_changed_is_overwritten_when_the_person_says_so() {
 }
 
 #[test]
-fn who_leaves_and_saves_first_is_asked_before_a_changed_file_is_overwritten() {
+fn leaving_with_save_asks_before_a_changed_file_is_overwritten() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("owl.vsc");
     let mut harness = changed_meanwhile(&path);

@@ -108,7 +108,7 @@ fn forgetful() -> Bench {
 }
 
 #[test]
-fn what_cannot_be_undone_is_asked_about_and_done_or_not() {
+fn a_command_that_cannot_be_undone_is_asked_about_and_done_or_not() {
     for line in ["clear", "new dims=24,24,24"] {
         let mut harness = forgetful();
         let before = harness.state().session().document().contents().clone();

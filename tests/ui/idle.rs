@@ -92,7 +92,7 @@ fn resting_on_the_surface_does_not_survive_a_change_to_cut() {
 }
 
 #[test]
-fn what_has_the_colour_already_is_said_to_have_it() {
+fn a_tool_reports_voxels_that_have_its_colour_already() {
     let mut harness = front(true);
     run(&mut harness, "dye grid colour=#123456");
     // Neither the limit nor a mask is to blame, though both are there.
@@ -137,7 +137,7 @@ fn brushes_on_the_wall_and_on_what_is_done_say_why() {
 }
 
 #[test]
-fn what_the_wall_cuts_off_is_said_once_until_it_is_not() {
+fn the_cut_at_the_end_of_the_grid_is_reported_once_until_a_use_fits() {
     const CUT_OFF: &str = "The grid ends there";
     let cut_off = |harness: &mut Bench, act: &mut dyn FnMut(&mut Bench)| {
         let before = voxels(harness);

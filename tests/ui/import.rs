@@ -270,7 +270,7 @@ fn a_voxel_model_is_shown_with_its_palette_and_turned() {
 }
 
 #[test]
-fn what_leaves_nothing_open_or_is_not_to_be_asked_opens_at_once() {
+fn a_file_opens_at_once_if_it_leaves_no_question_or_none_is_wanted() {
     let folder = tempfile::tempdir().unwrap();
     let own = folder.path().join("own.pvm");
     let mut harness = bench();

@@ -46,7 +46,7 @@ fn stroke(harness: &mut Bench, modifiers: Modifiers, from: [f32; 2], to: [f32; 2
 }
 
 #[test]
-fn what_is_painted_with_the_mask_is_kept_from_the_tool_and_undone_like_a_stroke() {
+fn a_painted_mask_protects_from_the_tool_and_is_undone_like_a_stroke() {
     let mut harness = front();
     key(&mut harness, Modifiers::SHIFT, Key::Q);
     harness.state_mut().editor.tool.brushes.of_mut(BrushId::Mask).set(REACH, 1.5);
@@ -173,7 +173,7 @@ fn the_wand_protects_a_face_a_colour_or_a_piece() {
 }
 
 #[test]
-fn what_changes_nothing_in_the_window_says_why() {
+fn buttons_of_the_window_that_change_nothing_say_why() {
     let mut harness = front();
     let says = |harness: &mut Bench, name: &str, why: &str| {
         harness.get_by_label(name).click();

@@ -36,7 +36,7 @@ fn an_option_is_shown_in_its_panel() {
 }
 
 #[test]
-fn what_is_not_here_is_said_with_what_is_nearest() {
+fn a_missing_feature_is_reported_with_the_nearest_one() {
     let mut harness = bench();
     key(&mut harness, Modifiers::COMMAND, Key::P);
     rest(&mut harness);

@@ -12,7 +12,7 @@ use virtual_sculpture::tools::brush::keys::{RADIUS, STRENGTH};
 use super::bench::{Bench, bench, key, middle, send, undo_count};
 
 #[test]
-fn what_people_press_first_does_what_the_tables_say() {
+fn the_first_keys_do_what_the_tables_say() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/controls.md");
     let text = fs::read_to_string(path).unwrap();
     let presets = Bindings::presets().unwrap();

@@ -72,7 +72,7 @@ const CARVED: [&str; 3] = [
 ];
 
 #[test]
-fn what_was_left_comes_back_with_undo_and_redo() {
+fn an_abandoned_session_comes_back_with_undo_and_redo() {
     let folder = tempfile::tempdir().unwrap();
     let config = config(32);
     let made = leave(folder.path(), &config, &CARVED);
@@ -101,7 +101,7 @@ fn what_was_left_comes_back_with_undo_and_redo() {
 }
 
 #[test]
-fn what_was_left_is_recovered_on_the_board_of_a_headset() {
+fn an_abandoned_session_is_recovered_on_the_board_of_a_headset() {
     let folder = tempfile::tempdir().unwrap();
     let config = config(32);
     let made = leave(folder.path(), &config, &CARVED);
@@ -118,7 +118,7 @@ fn what_was_left_is_recovered_on_the_board_of_a_headset() {
 }
 
 #[test]
-fn what_nobody_wants_is_removed_after_a_question_and_the_rest_is_asked_about_again() {
+fn unwanted_sessions_are_removed_after_a_question_and_the_others_are_offered_again() {
     let folder = tempfile::tempdir().unwrap();
     let config = config(16);
     leave(folder.path(), &config, &["subtract cuboid at=4,4,4 half=2"]);
@@ -239,7 +239,7 @@ fn a_journal_that_cannot_be_written_is_marked_as_long_as_that_lasts() {
 }
 
 #[test]
-fn where_nothing_was_left_the_menu_says_so() {
+fn the_menu_says_that_no_session_was_abandoned() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = start(folder.path(), &config(16), vec2(1280.0, 800.0));
     assert!(!harness.state().ui.dialogs.is_modal());

@@ -102,7 +102,7 @@ fn a_device_that_is_lost_for_good_loses_nothing() {
 
 /// A person works; the program is killed and started again; the work is there again.
 #[test]
-fn what_was_killed_is_recovered_in_the_next_window() {
+fn a_killed_session_is_recovered_in_the_next_window() {
     let display = display();
     let folder = tempfile::tempdir().unwrap();
     let program = Program::start_with_states(&display, folder.path().to_path_buf(), |_| {});

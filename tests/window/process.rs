@@ -153,7 +153,7 @@ fn rests(output: &str) -> bool {
 }
 
 #[test]
-fn what_other_threads_log_hides_no_rest() {
+fn the_log_of_other_threads_hides_no_rest() {
     let begun = "DEBUG a: picture shown number=1\nDEBUG app: at rest\n";
     let pads = "INFO pad: gamepads: none\n";
     for (then, is_so) in [

@@ -181,7 +181,7 @@ fn stock_server() {
 }
 
 #[test]
-fn what_stock_clients_say() {
+fn stock_clients_send_the_captured_messages() {
     for (name, count, pings) in [
         ("det_tcp.c2s.bin", 37, 10),
         ("det_udp.c2s.bin", 38, 10),

@@ -362,7 +362,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_is_written_reads_back(volume in volumes()) {
+        fn a_written_volume_reads_back(volume in volumes()) {
             let packed = write(volume.clone(), &()).unwrap();
             prop_assert!(packed.starts_with(b"DDS v3d\n"));
             prop_assert_eq!(&read_any(&packed).unwrap(), &volume);

@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn where_there_can_be_no_lock_work_goes_on_without() {
+    fn work_goes_on_without_a_lock_that_cannot_be_taken() {
         let folder = tempfile::tempdir().unwrap();
         for path in [PathBuf::new(), "/".into(), folder.path().join("gone/owl.vsc")] {
             assert!(matches!(take(&path), LockResult::Without), "{path:?}");

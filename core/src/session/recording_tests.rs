@@ -113,7 +113,7 @@ fn images_are_embedded_as_they_were_and_needed_no_more() {
 }
 
 #[test]
-fn what_is_embedded_must_be_a_sculpture_or_an_image() {
+fn embedded_data_must_be_a_sculpture_or_an_image() {
     let mut session = session();
     execute(&mut session, "embed \"a.vsc\" data=AAAA");
     let error = session.execute(&"open \"a.vsc\"".parse().unwrap(), &()).unwrap_err();
@@ -164,7 +164,7 @@ fn undo_past_orientations_is_recorded_and_replays() {
 }
 
 #[test]
-fn what_a_session_without_a_file_began_with_is_recorded_too() {
+fn the_first_sculpture_of_a_session_without_a_file_is_recorded_too() {
     let folder = tempfile::tempdir().unwrap();
     let script = folder.path().join("made.sculpt");
     let mut made = session();

@@ -215,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn what_nobody_sees_takes_no_pages() {
+    fn hidden_bricks_take_no_pages() {
         let mut grid = Grid::new(UVec3::splat(64), Vec3::ONE, 1 << 20).unwrap();
         grid.fill_bricks(|_| Brick::FULL);
         let mask = grid.clone();

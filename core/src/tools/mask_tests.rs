@@ -30,7 +30,7 @@ fn has(list: &ListedBricks, v: IVec3) -> bool {
 }
 
 #[test]
-fn what_grows_and_shrinks_again_is_what_it_was() {
+fn a_mask_that_grows_and_shrinks_again_is_as_before() {
     let ball = |v: IVec3| (v - IVec3::new(19, 15, 17)).length_squared() <= 64;
     let mask = with(ball);
     for by in 1..=6 {
@@ -100,7 +100,7 @@ fn a_mask_is_evened_as_if_it_went_on_beyond_the_border() {
 }
 
 #[test]
-fn what_sticks_out_of_an_outline_goes_and_planes_stay() {
+fn smoothing_removes_bumps_of_an_outline_and_keeps_planes() {
     let bump = |v: IVec3| v.x < 16 || (v == IVec3::new(16, 12, 12));
     let (added, removed) = evened(&with(bump), 2);
     assert!(has(&removed, IVec3::new(16, 12, 12)));

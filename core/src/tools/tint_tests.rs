@@ -16,7 +16,7 @@ const BLUE: Rgb = Rgb::new(0, 0, 255);
 
 proptest! {
     #[test]
-    fn what_changes_nothing_keeps_every_colour(rgb in prop::array::uniform3(any::<u8>()), at in prop::array::uniform3(0u32..4096)) {
+    fn neutral_tints_keep_every_colour(rgb in prop::array::uniform3(any::<u8>()), at in prop::array::uniform3(0u32..4096)) {
         let (v, now) = (UVec3::from(at), Rgb(rgb));
         prop_assert_eq!(tinted(adjust(0.0, 1.0, 1.0), v, now), now);
         prop_assert_eq!(tinted(adjust(360.0, 1.0, 1.0), v, now), now);

@@ -211,7 +211,7 @@ fn contrast(film: &Film, within: &[bool]) -> f32 {
 }
 
 #[test]
-fn what_lies_in_focus_is_sharp_and_the_rest_is_not() {
+fn surfaces_in_focus_are_sharp_and_others_are_not() {
     // A striped floor that extends away from the eye.
     let grid = {
         let mut grid = Grid::new(UVec3::new(48, 8, 480), Vec3::ONE, 1 << 24).unwrap();

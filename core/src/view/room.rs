@@ -254,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_carried_moves_in_the_room_as_the_hand_does() {
+    fn a_carried_sculpture_moves_in_the_room_as_the_hand_does() {
         let room = Room::before(&pose(Vec3::Y * 1.6, Quat::IDENTITY), 0.7, 0.3, 0.01);
         let placement = Placement {
             rotation: Quat::from_rotation_z(0.3),

@@ -83,7 +83,7 @@ mod tests {
         }
 
         #[test]
-        fn what_converges_has_no_parallax(x in -2.0f32..2.0, y in -2.0f32..2.0, c in 2.0f32..20.0) {
+        fn points_at_the_convergence_distance_have_no_parallax(x in -2.0f32..2.0, y in -2.0f32..2.0, c in 2.0f32..20.0) {
             let mono = mono();
             let rig = StereoRig { eye_distance: 0.4, convergence: c, swap: false };
             let world = mono.eye_from_world.inverse().transform_point3(Vec3::new(x, y, -c));

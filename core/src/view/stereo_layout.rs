@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_pointed_at_is_what_is_shown_there() {
+    fn the_pointer_is_over_the_pixel_that_is_shown_there() {
         for layout in StereoLayout::ALL {
             for (x, y) in (0..SIZE.x).flat_map(|x| (0..SIZE.y).map(move |y| (x, y))) {
                 let (eye, at) = layout.unfold(UVec2::new(x, y).as_vec2() + 0.5, SIZE);

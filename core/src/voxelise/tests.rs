@@ -201,7 +201,7 @@ fn the_nearest_point_of_a_triangle_is_found() {
 }
 
 #[test]
-fn what_cannot_be_is_refused_before_memory_is_taken() {
+fn impossible_meshes_and_sizes_are_refused_before_memory_is_taken() {
     let mesh = ball(3);
     let around = |mesh: &InputMesh, size| MeshPlacement::around(mesh, size, Up::Y, 1.0);
     let frame = around(&mesh, MeshSize::LongestVx(64)).unwrap();

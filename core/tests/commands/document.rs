@@ -55,7 +55,7 @@ proptest! {
 
     /// A trial leaves no trace, and predicts the result of the actual command.
     #[test]
-    fn what_is_tried_leaves_nothing_behind(
+    fn a_trial_leaves_nothing_behind(
         new in new_sculpture(24),
         commands in prop::collection::vec(work(), 1..20),
         tried in prop::collection::vec(work(), 1..4),

@@ -267,7 +267,7 @@ fn full_and_empty_grids_stay_so_and_arrays_move_drawn_solids() {
 }
 
 #[test]
-fn what_is_no_drawn_solid_is_refused_with_a_reason() {
+fn an_invalid_drawn_solid_is_refused_with_a_reason() {
     let many = vec!["1,2,3"; 1025].join(";");
     for (solid, reason) in [
         ("half-space at=1,2,3 normal=0,0,0", "direction"),

@@ -171,7 +171,7 @@ fn nothing_that_is_masked_changes_and_the_rest_does() {
 }
 
 #[test]
-fn what_is_pasted_and_repeated_leaves_the_mask_alone_too() {
+fn pasting_and_repeating_change_no_masked_voxel() {
     let mut document = document();
     run(&mut document, "mark at=4,0,4 size=12,30,12").unwrap();
     run(&mut document, "copy").unwrap();
@@ -359,7 +359,7 @@ fn masks_are_mirrored_and_limited_to_the_selection() {
 }
 
 #[test]
-fn what_cannot_be_masked_is_refused() {
+fn invalid_masks_are_refused() {
     let mut document = document();
     let before = document.contents().clone();
     for line in [

@@ -168,7 +168,7 @@ fn deep_asymmetry(document: &Document) -> usize {
 }
 
 #[test]
-fn what_is_not_valid_is_refused_and_leaves_the_symmetry_alone() {
+fn an_invalid_symmetry_is_refused_and_leaves_the_present_one_alone() {
     let mut document = ball(Vec3::ONE);
     run(&mut document, "symmetry x=even radial=3 about=1,2,3 axis=0,1,0").unwrap();
     let before = document.symmetry();

@@ -62,7 +62,7 @@ fn a_tint_changes_its_area_and_is_one_step() {
 }
 
 #[test]
-fn what_changes_no_colour_is_no_step() {
+fn a_tint_that_changes_no_colour_is_no_step() {
     let mut document = block(ColourDepth::Bits24, Limits::default());
     for nothing in [
         "adjust",

@@ -255,7 +255,7 @@ fn volumes_of_a_metaimage_are_chosen() {
 }
 
 #[test]
-fn what_has_one_volume_has_no_second() {
+fn a_file_with_one_volume_has_no_second() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.raw");
     std::fs::write(&path, [9; 8]).unwrap();

@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_drawn_on_the_left_or_across_the_axis_is_the_same_solid() {
+    fn a_profile_left_of_the_axis_or_across_it_makes_the_same_solid() {
         let view = &views()[0];
         let start = view.sight.pixel_of(view.middle()).unwrap();
         let axis = LatheAxis::new(view, view.middle(), true).unwrap();

@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_outline_and_no_line_is_not_meant() {
+    fn a_drag_without_area_or_length_draws_nothing() {
         let view = view(Quat::IDENTITY, UVec3::splat(8), Vec3::ONE);
         let at = Vec2::new(50.0, 50.0);
         assert!(!is_meant(&[]) && !is_meant(&[at]) && !is_meant(&[at, at + 0.5]));

@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn what_shows_a_tube_goes_through_the_places_and_is_as_wide() {
+    fn the_sketch_of_a_tube_goes_through_its_points_and_is_as_wide() {
         for view in super::super::view::tests::views() {
             let middle = view.middle();
             let places = [middle, middle + Vec3::new(9.0, 0.0, 4.0), middle + Vec3::Y * 8.0];

@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_too_far_is_jumped_to_and_what_is_no_point_is_not_heard() {
+    fn a_path_jumps_to_far_points_and_ignores_invalid_ones() {
         for far in [1e5, 1e7, 1e30, f32::MAX] {
             let out = samples(&[Vec3::ZERO, Vec3::X * far, Vec3::ZERO], 1.0, Vec3::ONE);
             assert_eq!(out, [Vec3::X * far, Vec3::ZERO], "{far}");

@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_too_far_is_jumped_to_and_what_is_no_point_is_not_heard() {
+    fn a_sweep_jumps_to_far_points_and_ignores_invalid_ones() {
         for far in [1e5, 1e7, 1e30, f32::MAX] {
             let out = segments(&[Vec3::ZERO, Vec3::X * far, Vec3::ZERO], 1.0, Vec3::ONE);
             let ends: Vec<_> = out.iter().map(|segment| (segment.from, segment.to)).collect();

@@ -118,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_driver_sends_is_kept_within_bounds() {
+    fn values_from_a_driver_are_kept_within_bounds() {
         let odd = PenSample { pressure: Some(7.0), tilt_deg: Vec2::new(200.0, -200.0), ..sample() };
         let kept = odd.checked().unwrap();
         assert_eq!((kept.pressure, kept.tilt_deg), (Some(1.0), Vec2::new(90.0, -90.0)));

@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_window_system_does_to_a_window_in_a_resize_ends_nothing() {
+    fn errors_of_the_window_system_in_a_resize_end_nothing() {
         use vk::Result as R;
         assert_eq!(recovery(R::ERROR_OUT_OF_DATE_KHR), Some(Recovery::NewSwapchain));
         assert_eq!(recovery(R::ERROR_NATIVE_WINDOW_IN_USE_KHR), Some(Recovery::Later));

@@ -199,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn what_they_lead_to_needs_no_hand_on_the_mouse() {
+    fn targets_of_foreign_terms_need_no_mouse() {
         for it in ELSEWHERE {
             let action = match it.target {
                 SearchTarget::Do(action) => Some(action),

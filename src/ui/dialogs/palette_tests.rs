@@ -33,7 +33,7 @@ fn words_choose_by_text_name_key_and_usage() {
 
 /// Checks the words of people who know other programs, and the action that must come first.
 #[test]
-fn what_people_type_finds_the_action() {
+fn typed_words_find_the_action() {
     let expected = [
         ("rotate", Action::TurnSculpture),
         ("orbit", Action::TurnSculpture),
@@ -202,7 +202,7 @@ fn a_typed_command_comes_first_and_a_wrong_one_says_why() {
 }
 
 #[test]
-fn what_the_mouse_does_comes_last_and_is_passed_over() {
+fn actions_of_the_mouse_come_last_and_are_passed_over() {
     let mut palette = CommandPalette::default();
     let list = listed("");
     palette.go(&list, 0);
@@ -268,7 +268,7 @@ fn a_command_that_is_not_complete_is_begun() {
 
 /// Checks the words of other programs for features that are missing here or have another name.
 #[test]
-fn what_is_called_otherwise_or_missing_is_said() {
+fn features_with_another_name_or_missing_are_named() {
     let wanted = [
         ("boolean", SearchTarget::Do(Action::Mode(ToolMode::Subtract))),
         ("remesh", SearchTarget::Do(Action::Brush(BrushId::Smooth))),

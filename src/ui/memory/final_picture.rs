@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_chosen_is_chosen_again() {
+    fn choices_are_restored() {
         let before = changed();
         let text = toml::to_string(&KeptFinal::of(&before)).unwrap();
         let mut after = FinalDialog::default();

@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_chosen_about_a_file_is_kept_in_its_line() {
+    fn choices_about_a_file_are_kept_in_its_line() {
         let mut recent = Recent::default();
         let raw: Command = "open e\"/a/x \\\" y.raw\" threshold=7 raw=4x4x4:u8".parse().unwrap();
         recent.note(&raw);

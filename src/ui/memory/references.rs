@@ -68,7 +68,7 @@ mod tests {
     use crate::input::Side;
 
     #[test]
-    fn what_is_remembered_of_a_picture_comes_back_and_damaged_values_are_left_out() {
+    fn a_remembered_picture_comes_back_and_damaged_values_are_left_out() {
         let reference = Reference {
             layer: Layer::Before,
             locked: true,

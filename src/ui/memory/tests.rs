@@ -42,7 +42,7 @@ fn changed() -> (UiState, ToolState) {
 }
 
 #[test]
-fn what_was_chosen_is_found_again() {
+fn choices_are_found_again() {
     let config = Config::default();
     let (before, tool_before) = changed();
     let text = to_text(&before, &tool_before, &config.window);
@@ -82,7 +82,7 @@ fn a_setting_that_was_changed_since_wins() {
 }
 
 #[test]
-fn what_is_damaged_is_left_out_and_the_rest_is_used() {
+fn damaged_values_are_left_out_and_the_rest_is_used() {
     let config = Config::default();
     for text in ["", "theme", "= = =", "\u{0}", "[[recent]]\n", "[tool]\nkind = [1]\n"] {
         let (mut after, mut tool) = state();
@@ -110,7 +110,7 @@ fn what_is_damaged_is_left_out_and_the_rest_is_used() {
 
 /// Checks a file of November 2026 without default values: a value that is written again was read.
 #[test]
-fn what_earlier_versions_remembered_is_still_read() {
+fn the_memory_of_earlier_versions_is_still_read() {
     let text = include_str!("../../../tests/fixtures/state-2026-11.toml");
     let (mut state, mut tool) = state();
     let window = Config::default().window;

@@ -305,7 +305,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_selected_is_replaced_and_what_is_taken_back_is_gone() {
+    fn typing_replaces_a_selection_and_backspace_removes_a_digit() {
         let mut typed = empty();
         typed.write("1.234,5");
         assert_eq!(typed.shown, "1234.5");

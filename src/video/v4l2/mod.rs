@@ -186,7 +186,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_no_camera_says_so() {
+    fn a_device_that_is_no_camera_is_reported() {
         let address = |device: &str| match format!("v4l2:{device}").parse() {
             Ok(super::super::Address::Camera(camera)) => camera,
             other => panic!("{other:?}"),

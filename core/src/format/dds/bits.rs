@@ -133,7 +133,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_is_pushed_is_read_back(
+        fn pushed_bits_are_read_back(
             fields in prop::collection::vec((any::<u64>(), 0u32..=56), 0..200),
             cut in 0usize..200,
         ) {

@@ -227,7 +227,7 @@ fn a_voxel_has_the_length_that_is_asked_for_and_the_sculptures_proportions() {
 }
 
 #[test]
-fn what_cannot_be_is_refused_with_a_remedy_and_leaves_nothing() {
+fn impossible_exports_are_refused_with_a_remedy_and_leave_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let refuse = |name: &str, options: MeshOptions, remedy: &str| {
         let path = folder.path().join(name);
@@ -366,7 +366,7 @@ fn work_that_is_cancelled_at_any_moment_leaves_no_file() {
 }
 
 #[test]
-fn what_a_file_takes_beside_its_mesh_is_counted() {
+fn the_memory_that_a_file_takes_beside_its_mesh_is_counted() {
     let count = |kind| {
         let mesh = Mesh::of(&subject(), kind, VertexColours::Voxels, &Limits::default(), &());
         mesh.unwrap().heap_bytes()

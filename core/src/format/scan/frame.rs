@@ -103,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_unknown_stays_as_it_is() {
+    fn unknown_axes_keep_their_orientation() {
         assert_eq!(AxisFrame::Unknown.orientation(), Orientation::UPRIGHT);
         assert_eq!(
             AxisFrame::World([DVec3::X, DVec3::Y, DVec3::Z]).orientation(),

@@ -96,7 +96,7 @@ fn a_protected_file_is_not_replaced_and_no_temporary_name_is_told() {
 }
 
 #[test]
-fn what_killed_programs_left_is_removed_and_what_is_being_written_is_not() {
+fn files_left_by_killed_programs_are_removed_and_files_being_written_are_not() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     fs::write(at(".virtual-sculpture-abc123.part"), b"half").unwrap();
@@ -133,7 +133,7 @@ fn empty_files_of_killed_programs_go_and_those_just_made_stay() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn what_is_no_file_is_refused_at_once_and_no_text_is_endless() {
+fn a_pipe_and_an_endless_text_are_refused_at_once() {
     let folder = tempfile::tempdir().unwrap();
     let pipe = folder.path().join("pipe.pvm");
     let made = std::process::Command::new("mkfifo").arg(&pipe).status().unwrap();

@@ -47,7 +47,7 @@ const DEPTHS: [ColourDepth; 4] =
     [ColourDepth::None, ColourDepth::Bits8, ColourDepth::Bits16, ColourDepth::Bits24];
 
 #[test]
-fn what_is_written_is_read_back_to_the_byte() {
+fn a_written_sculpture_is_read_back_to_the_byte() {
     for (i, dims) in [[1, 1, 1], [8, 8, 8], [61, 90, 47], [200, 17, 130]].into_iter().enumerate() {
         for depth in DEPTHS {
             let contents = sculpture(dims, depth, i as u64);

@@ -61,7 +61,7 @@ fn a_simplified_ball_stays_near_its_surface() {
 }
 
 #[test]
-fn what_cannot_be_simplified_further_is_left_closed() {
+fn a_mesh_that_cannot_be_simplified_further_stays_closed() {
     // Pieces keep at least four triangles, and their handles.
     let contents = contents(noise(UVec3::splat(13), 0.4, 5));
     for kind in [MeshKind::Faces, MeshKind::Greedy, MeshKind::Smooth] {

@@ -183,7 +183,7 @@ fn the_inside_of_a_solid_is_not_drawn() {
 }
 
 #[test]
-fn what_changes_within_bricks_rebuilds_nothing() {
+fn a_change_within_a_brick_rebuilds_nothing() {
     let mut grid = Grid::new(UVec3::splat(64), Vec3::ONE, 1 << 30).unwrap();
     grid.set(IVec3::splat(12), true);
     let mut areas = SliceAreas::default();

@@ -251,7 +251,7 @@ fn clay_is_a_mound_highest_in_the_middle() {
 }
 
 #[test]
-fn what_meets_nothing_does_nothing_and_nonsense_is_refused() {
+fn a_brush_that_meets_nothing_does_nothing_and_nonsense_is_refused() {
     let grid = slab();
     let mut up = from_above(5.0, Outline::Round);
     up.aim = Vec3::Y;

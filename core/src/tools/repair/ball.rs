@@ -340,7 +340,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_diameter_makes_no_ball() {
+    fn an_invalid_diameter_makes_no_ball() {
         for diameter in [0.0, -1.0, f32::NAN, f32::INFINITY, 64.1, 1e30] {
             assert_eq!(DigitalBall::new(diameter, Vec3::ONE), None, "{diameter}");
         }

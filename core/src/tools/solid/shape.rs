@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_is_in_nothing() {
+    fn a_point_without_finite_coordinates_is_in_no_solid() {
         for solid in Solid::ALL {
             let shape = SolidShape::new(solid, DVec3::splat(8.0));
             for bad in [f64::NAN, f64::INFINITY] {

@@ -73,7 +73,7 @@ mod tests {
     use crate::sculpture::orientation::Up;
 
     #[test]
-    fn what_holds_for_other_files_is_kept_and_no_more() {
+    fn only_choices_that_hold_for_other_files_are_kept() {
         let mut remembered = Remembered::default();
         let import = "open \"a.nii\" threshold=3..9 colouring=tissue upright=z cubic=0.5mm \
                       region=0,0,0..3,3,3 channel=2 time=3 pieces=largest holes=filled";

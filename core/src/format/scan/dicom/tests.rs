@@ -409,7 +409,7 @@ fn jpeg_2000_that_is_no_such_picture_is_refused() {
 }
 
 #[test]
-fn what_cannot_be_read_is_named() {
+fn errors_name_the_feature_that_cannot_be_read() {
     let folder = tempfile::tempdir().unwrap();
     let refused = |file: File| {
         let path = write(&folder, "bad.dcm", &file);

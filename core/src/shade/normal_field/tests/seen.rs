@@ -74,7 +74,7 @@ fn openness(grid: &Grid, field: &NormalField, v: UVec3) -> Option<u8> {
 }
 
 #[test]
-fn what_is_seen_after_edits_is_up_to_date_and_the_rest_follows() {
+fn visible_bricks_are_up_to_date_after_edits_and_the_rest_follows() {
     edit(Precision::Refined, |grid, field, map, _, _| {
         let whole = NormalField::of(grid);
         let openness = |field: &NormalField, v: UVec3| openness(grid, field, v);

@@ -309,7 +309,7 @@ fn nothing_happens_on_full_faces_and_where_nothing_is() {
 }
 
 #[test]
-fn what_is_mirrored_is_smoothed_alike() {
+fn mirrored_surfaces_are_smoothed_alike() {
     let bumps = |p: Vec3| {
         let x = (p.x - 64.0).abs();
         p.y < 40.0
