@@ -90,10 +90,6 @@ pub fn lines(scene: &OverlayScene) -> Vec<OverlayLine> {
     let &OverlayScene { tool, document, view, .. } = scene;
     let (grid, selection) = (document.grid(), document.selection());
     let mut lines = Vec::new();
-    let frame = |lines: &mut Vec<OverlayLine>, bounds: VoxelBox, colour, opacity: [f32; 2]| {
-        let edge = |(from, to)| OverlayLine { from, to, colour, width_px: 1.4, opacity };
-        lines.extend(box_edges(bounds.min.as_vec3(), bounds.max.as_vec3()).map(edge));
-    };
     if view.bounds {
         let colour = match scene.theme {
             Theme::Dark => Rgb::new(0x9a, 0xa4, 0xb0),
@@ -107,7 +103,7 @@ pub fn lines(scene: &OverlayScene) -> Vec<OverlayLine> {
     if selection.limits() || marking {
         for selected in selection.boxes() {
             let colour = if selected.adds { SELECTED } else { CUT };
-            frame(&mut lines, selected.bounds, colour, [0.9, 0.35]);
+            lines.extend(frame(selected.bounds, colour, [0.9, 0.35]));
         }
     }
     // A press that does something else shows no tool.
@@ -145,25 +141,31 @@ pub fn lines(scene: &OverlayScene) -> Vec<OverlayLine> {
             }
         }
         ToolKind::Draw(_) => lines.extend(sketched(scene)),
-        ToolKind::Marker => {
-            let marker = selection.marker();
-            frame(&mut lines, marker, MARKER, [1.0, 0.5]);
-            lines.extend(scene.marker_guide.iter().map(|[from, to]| OverlayLine {
-                from: *from,
-                to: *to,
-                colour: MARKER,
-                width_px: 1.0,
-                opacity: [0.45, 0.15],
-            }));
-            if let Some(clip) = document.clip() {
-                frame(
-                    &mut lines,
-                    clip.bounds(marker.min, tool.paste_orientation),
-                    PASTE,
-                    [0.9, 0.4],
-                );
-            }
-        }
+        ToolKind::Marker => lines.extend(marker_lines(scene)),
+    }
+    lines
+}
+
+/// Returns the edges of a box.
+fn frame(bounds: VoxelBox, colour: Rgb, opacity: [f32; 2]) -> impl Iterator<Item = OverlayLine> {
+    let edges = box_edges(bounds.min.as_vec3(), bounds.max.as_vec3());
+    edges.map(move |(from, to)| OverlayLine { from, to, colour, width_px: 1.4, opacity })
+}
+
+/// Returns the marker with its guide, and the box into which the clipboard would be pasted.
+fn marker_lines(scene: &OverlayScene) -> Vec<OverlayLine> {
+    let marker = scene.document.selection().marker();
+    let mut lines: Vec<OverlayLine> = frame(marker, MARKER, [1.0, 0.5]).collect();
+    lines.extend(scene.marker_guide.iter().map(|[from, to]| OverlayLine {
+        from: *from,
+        to: *to,
+        colour: MARKER,
+        width_px: 1.0,
+        opacity: [0.45, 0.15],
+    }));
+    if let Some(clip) = scene.document.clip() {
+        let bounds = clip.bounds(marker.min, scene.tool.paste_orientation);
+        lines.extend(frame(bounds, PASTE, [0.9, 0.4]));
     }
     lines
 }
