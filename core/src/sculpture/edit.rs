@@ -288,7 +288,7 @@ mod tests {
 
     use super::*;
     use crate::sculpture::brick::local_coords;
-    use crate::sculpture::region::{RowReach, VoxelBox};
+    use crate::sculpture::region::{BoxCoverage, RowReach, VoxelBox};
     use crate::sculpture::{Brick, ColourDepth, Material};
 
     /// An arbitrary set of voxels, such as a spray tool or a selection may produce.
@@ -334,6 +334,11 @@ mod tests {
 
         fn mask<S: Simd>(&self, _: S, row: &UVec3, _: &RowReach, brick_x: u32) -> Brick {
             self.brick(row.with_x(brick_x))
+        }
+
+        fn coverage(&self, bounds: VoxelBox) -> BoxCoverage {
+            // Even bricks in the middle are scattered.
+            self.bounds.coverage(bounds).and(BoxCoverage::Part)
         }
     }
 

@@ -1,5 +1,6 @@
 //! Regions: sets of voxels as edits query them. A region has a bounding box. For each row of bricks along x, it tells
-//! which bricks it touches, which it covers entirely, and which voxels of the others.
+//! which bricks it touches, which it covers entirely, and which voxels of the others. For any box of voxels, it tells
+//! whether it covers all or none of them, as far as that can be known without examining them.
 //!
 //! The unit is a row because solids are convex: the values that decide the 64 rows of voxels in a row of bricks are
 //! computed once, and the bricks in the middle are then known without examining them. Knows no tool.
@@ -48,6 +49,42 @@ impl VoxelBox {
     }
 }
 
+/// How a region covers a box of voxels.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum BoxCoverage {
+    /// None of the voxels.
+    None,
+    /// Some of them, or unknown.
+    Part,
+    /// All of them.
+    All,
+}
+
+impl BoxCoverage {
+    /// Returns the coverage of the same box by the voxels outside of the region.
+    pub fn inverse(self) -> BoxCoverage {
+        match self {
+            BoxCoverage::None => BoxCoverage::All,
+            BoxCoverage::Part => BoxCoverage::Part,
+            BoxCoverage::All => BoxCoverage::None,
+        }
+    }
+
+    /// Returns the coverage by the voxels that are in two regions.
+    pub fn and(self, other: BoxCoverage) -> BoxCoverage {
+        match (self, other) {
+            (BoxCoverage::None, _) | (_, BoxCoverage::None) => BoxCoverage::None,
+            (BoxCoverage::All, BoxCoverage::All) => BoxCoverage::All,
+            _ => BoxCoverage::Part,
+        }
+    }
+
+    /// Returns the coverage by the voxels that are in either of two regions.
+    pub fn or(self, other: BoxCoverage) -> BoxCoverage {
+        self.inverse().and(other.inverse()).inverse()
+    }
+}
+
 /// The part of a row's bricks that a box covers on y and z, in voxels of the brick: 0 to 8.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct BoxRow {
@@ -88,6 +125,14 @@ impl Region for VoxelBox {
             .and_not(&Brick::below([low, all, all]))
             .and_not(&Brick::below([all, row.low[0], all]))
             .and_not(&Brick::below([all, all, row.low[1]]))
+    }
+
+    fn coverage(&self, bounds: VoxelBox) -> BoxCoverage {
+        match bounds.intersect(*self) {
+            both if both.is_empty() => BoxCoverage::None,
+            both if both == bounds => BoxCoverage::All,
+            _ => BoxCoverage::Part,
+        }
     }
 }
 
@@ -145,6 +190,11 @@ pub trait Region: Sync {
     /// Returns the covered voxels of a touched brick of the row passed to [`Region::cut_row`] last. May include voxels
     /// beyond the grid's border.
     fn mask<S: Simd>(&self, simd: S, row: &Self::Row, reach: &RowReach, brick_x: u32) -> Brick;
+
+    /// Returns how the region covers the voxels of `bounds`, which may lie anywhere. `Part` is always allowed. `None` and
+    /// `All` hold for every voxel that a grid contains; as in masks, those beyond its border may count as covered. An
+    /// empty box is not covered.
+    fn coverage(&self, bounds: VoxelBox) -> BoxCoverage;
 }
 
 /// A region of all voxels.
@@ -163,6 +213,10 @@ impl Region for Everywhere {
 
     fn mask<S: Simd>(&self, _: S, (): &(), _: &RowReach, _: u32) -> Brick {
         Brick::FULL
+    }
+
+    fn coverage(&self, bounds: VoxelBox) -> BoxCoverage {
+        if bounds.is_empty() { BoxCoverage::None } else { BoxCoverage::All }
     }
 }
 
@@ -197,6 +251,43 @@ impl ListedBricks {
         });
         ListedBricks { bricks }
     }
+
+    /// Returns the position of the first listed brick of a box that has a voxel.
+    fn first_in(&self, inside: BrickBox) -> Option<usize> {
+        let BrickBox { min, max } = inside;
+        let mut at = 0;
+        loop {
+            let (b, mask) = self.bricks.get(at)?;
+            // The first brick of the box, in the order of the list, that can follow.
+            let next = match () {
+                _ if b.z >= max.z => return None,
+                _ if b.z < min.z => min,
+                _ if b.y < min.y => UVec3::new(min.x, min.y, b.z),
+                _ if b.y >= max.y => UVec3::new(min.x, min.y, b.z + 1),
+                _ if b.x < min.x => UVec3::new(min.x, b.y, b.z),
+                _ if b.x >= max.x => UVec3::new(min.x, b.y + 1, b.z),
+                _ if mask.is_empty() => UVec3::new(b.x + 1, b.y, b.z),
+                () => return Some(at),
+            };
+            let next = (next.z, next.y, next.x);
+            at += self.bricks[at..].partition_point(|(b, _)| (b.z, b.y, b.x) < next);
+        }
+    }
+
+    /// Returns whether all bricks of a box are listed with all their voxels.
+    fn fills(&self, inside: BrickBox) -> bool {
+        let BrickBox { min, max } = inside;
+        let mut rows = (min.z..max.z).flat_map(|z| (min.y..max.y).map(move |y| (z, y)));
+        inside.brick_count() <= self.bricks.len() as u64
+            && rows.all(|(z, y)| {
+                let start = self.bricks.partition_point(|(b, _)| (b.z, b.y, b.x) < (z, y, min.x));
+                let mut row = self.bricks[start..].iter().zip(min.x..max.x);
+                let is_whole = |((b, mask), x): (&(UVec3, Brick), u32)| {
+                    *b == UVec3::new(x, y, z) && mask.is_full()
+                };
+                row.len() == (max.x - min.x) as usize && row.all(is_whole)
+            })
+    }
 }
 
 impl Region for ListedBricks {
@@ -228,5 +319,145 @@ impl Region for ListedBricks {
         let bricks = &self.bricks[row.clone()];
         let found = bricks.binary_search_by_key(&brick_x, |(b, _)| b.x);
         found.map_or(Brick::EMPTY, |at| bricks[at].1)
+    }
+
+    fn coverage(&self, bounds: VoxelBox) -> BoxCoverage {
+        // No brick lies below 0.
+        let (low, high) = (bounds.min.max(IVec3::ZERO), bounds.max.max(IVec3::ZERO));
+        if !low.cmplt(high).all() {
+            return BoxCoverage::None;
+        }
+        let edge = UVec3::splat(BRICK_EDGE_VX);
+        let high = high.as_uvec3().map(|v| v.div_ceil(BRICK_EDGE_VX));
+        let inside = BrickBox { min: low.as_uvec3() / edge, max: high };
+        match self.first_in(inside) {
+            None => BoxCoverage::None,
+            Some(_) if low == bounds.min && self.fills(inside) => BoxCoverage::All,
+            Some(_) => BoxCoverage::Part,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::sculpture::brick::local_coords;
+
+    fn cube(min: i32, max: i32) -> VoxelBox {
+        VoxelBox { min: IVec3::splat(min), max: IVec3::splat(max) }
+    }
+
+    #[test]
+    fn a_box_covers_boxes_inside_and_none_beside_it() {
+        let region = cube(-16, 64);
+        for (bounds, coverage) in [
+            (cube(-16, 64), BoxCoverage::All),
+            (cube(-8, 0), BoxCoverage::All),
+            (cube(-17, 0), BoxCoverage::Part),
+            (cube(56, 65), BoxCoverage::Part),
+            (cube(64, 72), BoxCoverage::None),
+            (cube(-24, -16), BoxCoverage::None),
+            (cube(8, 8), BoxCoverage::None),
+            (cube(9, 8), BoxCoverage::None),
+            (cube(i32::MIN, i32::MAX), BoxCoverage::Part),
+        ] {
+            assert_eq!(region.coverage(bounds), coverage, "{bounds:?}");
+        }
+        let all = cube(i32::MIN, i32::MAX);
+        assert_eq!(all.coverage(all), BoxCoverage::All);
+        assert_eq!(cube(5, 5).coverage(all), BoxCoverage::None);
+        assert_eq!(Everywhere.coverage(all), BoxCoverage::All);
+        assert_eq!(Everywhere.coverage(cube(-4096, 0)), BoxCoverage::All);
+        assert_eq!(Everywhere.coverage(cube(3, 3)), BoxCoverage::None);
+    }
+
+    #[test]
+    fn coverages_combine_like_sets() {
+        use BoxCoverage::{All, None, Part};
+        for a in [None, Part, All] {
+            assert_eq!((a.and(None), a.and(All)), (None, a));
+            assert_eq!((a.or(None), a.or(All)), (a, All));
+            assert_eq!(
+                (a.and(Part), a.inverse().inverse()),
+                (if a == None { None } else { Part }, a)
+            );
+        }
+    }
+
+    #[test]
+    fn listed_bricks_reach_the_greatest_coordinates() {
+        let list =
+            ListedBricks::new(vec![(UVec3::ZERO, Brick::FULL), (UVec3::splat(511), Brick::FULL)]);
+        for (bounds, coverage) in [
+            (cube(0, 8), BoxCoverage::All),
+            (cube(2, 5), BoxCoverage::All),
+            (cube(-8, 8), BoxCoverage::Part),
+            (cube(i32::MIN, 0), BoxCoverage::None),
+            (cube(8, 4088), BoxCoverage::None),
+            (cube(4088, 4096), BoxCoverage::All),
+            (cube(4096, i32::MAX), BoxCoverage::None),
+            (cube(i32::MIN, i32::MAX), BoxCoverage::Part),
+            (cube(4, 4), BoxCoverage::None),
+        ] {
+            assert_eq!(list.coverage(bounds), coverage, "{bounds:?}");
+        }
+        assert_eq!(ListedBricks::default().coverage(cube(0, 8)), BoxCoverage::None);
+    }
+
+    fn kind() -> impl Strategy<Value = Option<Brick>> {
+        let odd = Brick { words: [!1; 8] };
+        prop::sample::select(vec![
+            None,
+            Some(Brick::EMPTY),
+            Some(odd),
+            Some(Brick::FULL),
+            Some(Brick::FULL),
+            Some(Brick::FULL),
+        ])
+    }
+
+    proptest! {
+        #[test]
+        fn listed_bricks_cover_what_their_masks_do(
+            bricks in prop::collection::vec(kind(), 4 * 4 * 4),
+            filled in prop::array::uniform3(0usize..3),
+            corner in prop::array::uniform3(-9i32..30),
+            size in prop::array::uniform3(1i32..24),
+        ) {
+            let place = |i: usize| [i % 4, i / 4 % 4, i / 16];
+            let listed = |i: usize| {
+                let full = (0..3).all(|axis| place(i)[axis] >= filled[axis]);
+                let mask = if full { Some(Brick::FULL) } else { bricks[i] };
+                Some((UVec3::from(place(i).map(|v| v as u32 + 1)), mask?))
+            };
+            let bricks: Vec<_> = (0..64).filter_map(listed).collect();
+            let list = ListedBricks::new(bricks.clone());
+            let (exact, aligned) = (IVec3::from(corner), IVec3::from(corner) * 2 / 8 * 8);
+            let sizes = [IVec3::from(size), IVec3::from(size) / 8 * 8 + 8];
+            for (min, size) in [(exact, sizes[0]), (aligned, sizes[1]), (aligned, IVec3::splat(8))] {
+                let bounds = VoxelBox { min, max: min + size };
+                let voxels = bricks.iter().flat_map(|(b, mask)| {
+                    let is_inside = |i: &u32| {
+                        let [x, y, z] = local_coords(*i);
+                        let v = (*b * BRICK_EDGE_VX).as_ivec3() + IVec3::new(x as i32, y as i32, z as i32);
+                        mask.get(x, y, z) && bounds.contains(v)
+                    };
+                    (0..512).filter(is_inside)
+                });
+                let count = voxels.count() as i32;
+                let coverage = list.coverage(bounds);
+                prop_assert!(count == 0 || coverage != BoxCoverage::None);
+                prop_assert!(count == size.element_product() || coverage != BoxCoverage::All);
+                // Whole bricks are decided.
+                if min == aligned && count == 0 {
+                    prop_assert_eq!(coverage, BoxCoverage::None);
+                }
+                if min == aligned && count == size.element_product() {
+                    prop_assert_eq!(coverage, BoxCoverage::All);
+                }
+            }
+        }
     }
 }

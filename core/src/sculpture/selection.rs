@@ -8,7 +8,7 @@ use glam::{IVec3, UVec3};
 
 use super::brick::Brick;
 use super::orientation::Orientation;
-use super::region::{BoxRow, Region, RowReach, VoxelBox};
+use super::region::{BoxCoverage, BoxRow, Region, RowReach, VoxelBox};
 use crate::refusal::InvalidValue;
 
 /// Largest coordinate of a marker, in voxels from the grid's corner.
@@ -180,6 +180,13 @@ impl Region for BoxStack {
             }
             let covered = selected.bounds.mask(simd, cut, reach, brick_x);
             if selected.adds { mask.or(&covered) } else { mask.and_not(&covered) }
+        })
+    }
+
+    fn coverage(&self, bounds: VoxelBox) -> BoxCoverage {
+        self.0.iter().fold(BoxCoverage::None, |below, selected| {
+            let covered = selected.bounds.coverage(bounds);
+            if selected.adds { below.or(covered) } else { below.and(covered.inverse()) }
         })
     }
 }

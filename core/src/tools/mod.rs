@@ -2,11 +2,14 @@
 //! pieces of a grid. They compute masks and do not change a document.
 
 pub mod brush;
+#[cfg(test)]
+mod coverage_tests;
 pub mod drawn;
 pub mod flood;
 #[cfg(test)]
 mod limit_tests;
 pub mod mask;
+mod parallelepiped;
 pub mod pieces;
 #[cfg(test)]
 mod pieces_tests;

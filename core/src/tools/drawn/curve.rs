@@ -6,6 +6,9 @@
 use glam::{DVec3, DVec4, Vec3};
 
 use super::fields::ControlPoint;
+use super::spec::coverage_of_distance;
+use crate::sculpture::region::BoxCoverage;
+use crate::tools::parallelepiped::Parallelepiped;
 
 /// Maximum distance of the pieces from the curve.
 const TOLERANCE: f64 = 0.02;
@@ -50,6 +53,36 @@ impl CurvePiece {
         };
         let s = s.clamp(0.0, self.length);
         aside.hypot(s - height) - self.radius - self.slope * s
+    }
+
+    /// Returns how the piece covers the points of a box. `margin`: bound on rounding errors.
+    pub fn coverage(&self, points: &Parallelepiped, margin: f64) -> BoxCoverage {
+        let far = coverage_of_distance(self.distance(points.middle), points.radius() + margin);
+        if far != BoxCoverage::Part {
+            return far;
+        }
+        let inside = |corner: &DVec3| self.distance(*corner) < -margin;
+        match points.corners().iter().filter(|corner| inside(corner)).count() {
+            8 => BoxCoverage::All,
+            0 if points.relative_to(self.from).is_apart(
+                |direction| self.furthest(direction),
+                DVec3::ZERO,
+                margin,
+            ) =>
+            {
+                BoxCoverage::None
+            }
+            _ => BoxCoverage::Part,
+        }
+    }
+
+    /// Returns the point that lies furthest along a direction of length 1, relative to the start.
+    fn furthest(&self, direction: DVec3) -> DVec3 {
+        let (end, radius) = (self.along * self.length, self.radius + self.slope * self.length);
+        match end.dot(direction) + radius > self.radius {
+            true => end + direction * radius,
+            false => direction * self.radius,
+        }
     }
 
     /// Returns the lowest and the highest point.

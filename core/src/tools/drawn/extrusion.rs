@@ -8,6 +8,8 @@ use super::fields::{Field, FieldValue, SolidPose};
 use super::frame::Frame;
 use super::outline::{self, Outlines};
 use super::spec::{DrawnShape, DrawnSpec, Surface};
+use crate::sculpture::region::BoxCoverage;
+use crate::tools::parallelepiped::Parallelepiped;
 
 /// Outlines in the plane of its x and y axes, extruded by half of `depth` to both sides. A point is inside if an odd
 /// number of outlines surrounds it, so that an outline within another is a hole.
@@ -82,5 +84,17 @@ impl Surface for Prism {
     fn distance(&self, p: DVec3, _: &[u32]) -> f64 {
         let p = self.frame.local(p);
         self.outlines.distance(p.truncate()).max(p.z.abs() - self.half_depth)
+    }
+
+    fn coverage(&self, points: &Parallelepiped, margin: f64) -> BoxCoverage {
+        let points = self.frame.local_box(points);
+        let (z, reach) = (points.middle.z.abs(), points.extent().z);
+        let along = match () {
+            _ if z + reach < self.half_depth - margin => BoxCoverage::All,
+            _ if z - reach > self.half_depth + margin => return BoxCoverage::None,
+            () => BoxCoverage::Part,
+        };
+        let half_edges = points.half_edges.map(DVec3::truncate);
+        along.and(self.outlines.coverage(points.middle.truncate(), &half_edges, margin))
     }
 }

@@ -6,6 +6,7 @@
 use glam::{DQuat, DVec2, DVec3};
 
 use super::fields::SolidPose;
+use crate::tools::parallelepiped::Parallelepiped;
 
 /// A pose, prepared for computing distances.
 #[derive(Clone, Copy, Debug)]
@@ -24,6 +25,15 @@ impl Frame {
     /// Maps a world point to the frame of the solid.
     pub fn local(&self, p: DVec3) -> DVec3 {
         self.rotation.inverse() * (p - self.at)
+    }
+
+    /// Maps a box in the world to the frame of the solid.
+    pub fn local_box(&self, points: &Parallelepiped) -> Parallelepiped {
+        let turn = self.rotation.inverse();
+        Parallelepiped {
+            middle: self.local(points.middle),
+            half_edges: points.half_edges.map(|edge| turn * edge),
+        }
     }
 
     /// Returns a point's distance from the y axis and its height.

@@ -3,7 +3,9 @@
 use glam::{DVec3, Vec3};
 
 use super::fields::{Field, FieldValue};
-use super::spec::{DrawnShape, DrawnSpec, EVERYWHERE, Surface};
+use super::spec::{DrawnShape, DrawnSpec, EVERYWHERE, Surface, coverage_of_distance};
+use crate::sculpture::region::BoxCoverage;
+use crate::tools::parallelepiped::Parallelepiped;
 
 /// All points on the side of a plane that its normal points to.
 #[derive(Clone, PartialEq, Debug)]
@@ -64,5 +66,10 @@ impl Surface for PlaneSide {
     #[inline]
     fn distance(&self, p: DVec3, _: &[u32]) -> f64 {
         (self.at - p).dot(self.normal)
+    }
+
+    fn coverage(&self, points: &Parallelepiped, margin: f64) -> BoxCoverage {
+        let reach: f64 = points.half_edges.iter().map(|edge| edge.dot(self.normal).abs()).sum();
+        coverage_of_distance(self.distance(points.middle, &[]), reach + margin)
     }
 }

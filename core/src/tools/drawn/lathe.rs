@@ -7,7 +7,9 @@ use glam::{DVec2, DVec3, Vec2};
 use super::fields::{Field, FieldValue, SolidPose, require};
 use super::frame::Frame;
 use super::outline::{self, Outlines};
-use super::spec::{DrawnShape, DrawnSpec, Surface};
+use super::spec::{DrawnShape, DrawnSpec, Surface, coverage_of_distance};
+use crate::sculpture::region::BoxCoverage;
+use crate::tools::parallelepiped::Parallelepiped;
 
 /// A profile rotated about its y axis: points of distance from the axis and height. A straight line connects the first
 /// and the last point with the axis.
@@ -82,5 +84,17 @@ impl Surface for Turned {
     #[inline]
     fn distance(&self, p: DVec3, _: &[u32]) -> f64 {
         self.profile.distance(self.frame.around_y(p))
+    }
+
+    fn coverage(&self, points: &Parallelepiped, margin: f64) -> BoxCoverage {
+        let distance = self.distance(points.middle, &[]);
+        let far = coverage_of_distance(distance, points.radius() + margin);
+        if far != BoxCoverage::Part {
+            return far;
+        }
+        let [low, high] = self.frame.local_box(points).around_y();
+        let half = (high - low) * 0.5;
+        let half_edges = [half.with_y(0.0), half.with_x(0.0)];
+        self.profile.coverage((low + high) * 0.5, &half_edges, margin)
     }
 }

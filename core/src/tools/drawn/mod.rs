@@ -18,6 +18,8 @@ mod tube;
 use glam::{DVec3, Vec3};
 
 use crate::refusal::InvalidValue;
+use crate::sculpture::region::BoxCoverage;
+use crate::tools::parallelepiped::Parallelepiped;
 
 pub use fields::{ControlPoint, FURTHEST_VX, Field, FieldValue, MAX_POINTS, SolidPose, is_place};
 pub use spec::DrawnSpec;
@@ -99,6 +101,12 @@ macro_rules! drawn_solids {
             fn distance(&self, p: DVec3, pieces: &[u32]) -> f64 {
                 match self {
                     $(DrawnSurface::$id(surface) => surface.distance(p, pieces)),*
+                }
+            }
+
+            fn coverage(&self, points: &Parallelepiped, margin: f64) -> BoxCoverage {
+                match self {
+                    $(DrawnSurface::$id(surface) => surface.coverage(points, margin)),*
                 }
             }
 

@@ -6,7 +6,9 @@ use std::sync::Arc;
 
 use glam::{DVec2, Vec2};
 
-/// Edges, each from a point along a vector.
+use crate::sculpture::region::BoxCoverage;
+
+/// Edges, each from one point to another.
 #[derive(Clone, Debug, Default)]
 pub struct Outlines {
     edges: Vec<[DVec2; 2]>,
@@ -51,6 +53,32 @@ impl Outlines {
         }
         if inside { -nearest.sqrt() } else { nearest.sqrt() }
     }
+
+    /// Returns how the outlines cover all points `middle` plus a share from -1 to 1 of each of `half_edges`. `margin`:
+    /// bound on rounding errors.
+    pub fn coverage(&self, middle: DVec2, half_edges: &[DVec2], margin: f64) -> BoxCoverage {
+        let distance = self.distance(middle);
+        let reach: f64 = half_edges.iter().map(|edge| edge.length()).sum();
+        let meets = |outline: &[DVec2; 2]| meets(outline, middle, half_edges, margin);
+        match distance.abs() <= reach + margin && self.edges.iter().any(meets) {
+            true => BoxCoverage::Part,
+            false if distance < 0.0 => BoxCoverage::All,
+            false => BoxCoverage::None,
+        }
+    }
+}
+
+/// Returns whether an edge of an outline meets the points of [`Outlines::coverage`]: whether neither its own normal nor
+/// that of one of `half_edges` is the normal of a line between them.
+fn meets([a, b]: &[DVec2; 2], middle: DVec2, half_edges: &[DVec2], margin: f64) -> bool {
+    let half = (*b - *a) * 0.5;
+    let offset = middle - (*a + half);
+    let separates = |side: &DVec2| {
+        let normal = side.perp();
+        let reach: f64 = half_edges.iter().map(|edge| edge.dot(normal).abs()).sum();
+        offset.dot(normal).abs() > reach + half.dot(normal).abs() + margin * normal.length()
+    };
+    !separates(&half) && !half_edges.iter().any(separates)
 }
 
 /// Converts points to double precision.

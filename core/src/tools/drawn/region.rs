@@ -8,11 +8,12 @@ use fearless_simd::Simd;
 use glam::{DVec3, IVec3, UVec3};
 
 use super::spec::Surface;
-use super::{DrawnSolid, DrawnSurface};
+use super::{DrawnSolid, DrawnSurface, FURTHEST_VX};
 use crate::sculpture::Brick;
 use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::sculpture::grid::Grid;
-use crate::sculpture::region::{Region, RowReach, VoxelBox};
+use crate::sculpture::region::{BoxCoverage, Region, RowReach, VoxelBox};
+use crate::tools::parallelepiped::Parallelepiped;
 use crate::tools::symmetry::SymmetryTransform;
 
 /// A drawn solid, or an image of it, in the voxel coordinates of one grid.
@@ -173,5 +174,17 @@ impl Region for PlacedDrawnSolid {
         let mut mask = Brick::EMPTY;
         self.test_cube(origin, UVec3::ZERO, BRICK_EDGE_VX, &row.near, &mut mask);
         mask
+    }
+
+    fn coverage(&self, bounds: VoxelBox) -> BoxCoverage {
+        let map = |p: DVec3| self.image.origin_of(p) * self.stretch;
+        let Some(points) = Parallelepiped::of_voxels(bounds, map) else {
+            return BoxCoverage::None;
+        };
+        // The box may be larger than the grid, and the planes and axes of an image as far away as a solid.
+        let largest = 4.0 * f64::from(FURTHEST_VX) * self.stretch.max_element()
+            + points.middle.length()
+            + points.radius();
+        self.surface.coverage(&points, 1e3 * self.rounding + 1e-10 * largest)
     }
 }

@@ -1,10 +1,12 @@
 //! Ring: a torus about its y axis.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::fields::{Field, SolidPose};
 use super::frame::Frame;
-use super::spec::{DrawnShape, DrawnSpec, Surface};
+use super::spec::{DrawnShape, DrawnSpec, Surface, coverage_of_distance};
+use crate::sculpture::region::BoxCoverage;
+use crate::tools::parallelepiped::Parallelepiped;
 
 /// A torus about its y axis.
 #[derive(Clone, PartialEq, Debug)]
@@ -69,5 +71,22 @@ impl Surface for Torus {
     fn distance(&self, p: DVec3, _: &[u32]) -> f64 {
         let p = self.frame.around_y(p);
         (p.x - self.radius).hypot(p.y) - self.tube
+    }
+
+    fn coverage(&self, points: &Parallelepiped, margin: f64) -> BoxCoverage {
+        let distance = self.distance(points.middle, &[]);
+        let far = coverage_of_distance(distance, points.radius() + margin);
+        if far != BoxCoverage::Part {
+            return far;
+        }
+        // The tube is a disc in the half plane of distances from the axis and heights.
+        let [low, high] = self.frame.local_box(points).around_y();
+        let centre = DVec2::new(self.radius, 0.0);
+        let furthest = (centre - low).abs().max((high - centre).abs()).length();
+        match () {
+            _ if centre.clamp(low, high).distance(centre) > self.tube + margin => BoxCoverage::None,
+            _ if furthest < self.tube - margin => BoxCoverage::All,
+            () => BoxCoverage::Part,
+        }
     }
 }

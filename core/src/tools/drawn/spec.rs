@@ -7,6 +7,8 @@ use glam::DVec3;
 
 use super::DrawnSolid;
 use super::fields::{Field, SolidPose};
+use crate::sculpture::region::BoxCoverage;
+use crate::tools::parallelepiped::Parallelepiped;
 
 /// The description of a drawn solid.
 #[derive(Clone, Copy, Debug)]
@@ -55,6 +57,9 @@ pub trait Surface {
     /// from the pieces in `pieces`.
     fn distance(&self, p: DVec3, pieces: &[u32]) -> f64;
 
+    /// Returns how the solid covers the points of a box. `margin`: bound on the rounding error of points and distances.
+    fn coverage(&self, points: &Parallelepiped, margin: f64) -> BoxCoverage;
+
     /// Returns the pieces that reach the box between two corners; none for a solid in one piece.
     fn pieces_near(&self, _low: DVec3, _high: DVec3) -> Vec<u32> {
         Vec::new()
@@ -63,3 +68,12 @@ pub trait Surface {
 
 /// The box around solids without an end.
 pub const EVERYWHERE: [DVec3; 2] = [DVec3::NEG_INFINITY, DVec3::INFINITY];
+
+/// Returns how a solid covers points whose distances from its surface differ from `distance` by at most `reach`.
+pub(super) fn coverage_of_distance(distance: f64, reach: f64) -> BoxCoverage {
+    match () {
+        _ if distance > reach => BoxCoverage::None,
+        _ if distance < -reach => BoxCoverage::All,
+        () => BoxCoverage::Part,
+    }
+}

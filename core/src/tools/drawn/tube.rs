@@ -7,6 +7,8 @@ use glam::{DVec3, DVec4, Vec3};
 use super::curve::{CurvePiece, pieces};
 use super::fields::{ControlPoint, Field, FieldValue, require};
 use super::spec::{DrawnShape, DrawnSpec, EVERYWHERE, Surface};
+use crate::sculpture::region::BoxCoverage;
+use crate::tools::parallelepiped::Parallelepiped;
 
 /// The volume that a ball sweeps along a curve through points, its radius changing from one to the next: a centripetal
 /// Catmull-Rom spline (Yuksel, Schaefer, Keyser: Parameterization and Applications of Catmull-Rom Curves, 2011). Two
@@ -86,6 +88,13 @@ impl Surface for TubeSweep {
     fn distance(&self, p: DVec3, pieces: &[u32]) -> f64 {
         let distance = |i: &u32| self.pieces[*i as usize].distance(p);
         pieces.iter().map(distance).fold(f64::INFINITY, f64::min)
+    }
+
+    fn coverage(&self, points: &Parallelepiped, margin: f64) -> BoxCoverage {
+        let reach = points.extent() + margin;
+        let near = self.pieces_near(points.middle - reach, points.middle + reach);
+        let of_pieces = near.iter().map(|i| self.pieces[*i as usize].coverage(points, margin));
+        of_pieces.fold(BoxCoverage::None, BoxCoverage::or)
     }
 
     fn pieces_near(&self, low: DVec3, high: DVec3) -> Vec<u32> {

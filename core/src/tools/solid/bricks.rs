@@ -14,13 +14,19 @@ use crate::sculpture::grid::MAX_AXIS_VX;
 use crate::sculpture::region::{RowReach, VoxelBox};
 
 impl PlacedSolid {
-    /// Returns the greatest difference between the value at the centre of a cube and those of its voxel centres, with
-    /// all rounding, where no cube centre is further from the solid's centre than `furthest` along each axis. `None`
-    /// where positions may be NaN, or where extreme proportions leave no thickness in floating point.
+    /// Returns [`PlacedSolid::slack_of_box`] of a cube.
     fn slack_of_cube(&self, edge_vx: u32, furthest: DVec3) -> Option<f64> {
+        self.slack_of_box(DVec3::splat(0.5 * f64::from(edge_vx - 1)), furthest)
+    }
+
+    /// Returns the greatest difference between the value at the centre of a box and those of its voxel centres, with
+    /// all rounding, where no box centre is further from the solid's centre than `furthest` along each axis. `half_vx`:
+    /// half the distance between the first and the last voxel centre. `None` where positions may be NaN, or where
+    /// extreme proportions leave no thickness in floating point.
+    pub(super) fn slack_of_box(&self, half_vx: DVec3, furthest: DVec3) -> Option<f64> {
         // Bound on the relative error of a voxel's offset from the centre and of its product with the matrix.
         let rounding = f64::EPSILON * 4.0;
-        let reach = 0.5 * f64::from(edge_vx - 1)
+        let reach = half_vx
             + rounding * (self.centre_vx.abs() + f64::from(MAX_AXIS_VX))
             + rounding * furthest;
         let m = self.tool_from_vx;

@@ -4,6 +4,7 @@
 
 pub mod body;
 mod bricks;
+mod coverage;
 mod ends;
 mod kind;
 mod parts;

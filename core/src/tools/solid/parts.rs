@@ -36,6 +36,11 @@ impl MinkowskiParts {
         ]
     }
 
+    /// Returns the point of the ellipsoid that lies furthest along a direction.
+    pub(super) fn furthest_of_round(&self, direction: DVec3) -> DVec3 {
+        self.round * (self.round * direction).normalize_or_zero()
+    }
+
     /// Returns the time from 0 to 1 when the sum of a box and an ellipsoid is nearest to a point. The squared distance
     /// is convex in time, and quadratic between the times when the point passes a face of the box.
     #[inline(always)]
@@ -114,4 +119,9 @@ pub fn slack(parts: &MinkowskiParts, offset: DVec3) -> f64 {
 /// Returns the maximum of `direction . p` over such a sum.
 pub fn support(parts: &MinkowskiParts, direction: DVec3) -> f64 {
     (parts.core * direction).abs().element_sum() + (parts.round * direction).length()
+}
+
+/// Returns a point of such a sum that lies furthest along a direction.
+pub fn furthest(parts: &MinkowskiParts, direction: DVec3) -> DVec3 {
+    parts.core.copysign(direction) + parts.furthest_of_round(direction)
 }

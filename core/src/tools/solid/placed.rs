@@ -22,7 +22,7 @@ use crate::refusal::InvalidValue;
 use crate::sculpture::Brick;
 use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::sculpture::grid::MAX_AXIS_VX;
-use crate::sculpture::region::{Region, RowReach, VoxelBox};
+use crate::sculpture::region::{BoxCoverage, Region, RowReach, VoxelBox};
 use crate::tools::drawn::is_place;
 use crate::tools::symmetry::SymmetryTransform;
 
@@ -347,6 +347,14 @@ impl Region for PlacedSolid {
         match row.torn {
             None => row.spans.mask(simd, brick_x),
             Some([y, z]) => self.test_brick(simd, UVec3::new(brick_x * BRICK_EDGE_VX, y, z)),
+        }
+    }
+
+    fn coverage(&self, bounds: VoxelBox) -> BoxCoverage {
+        match &self.cut {
+            // Unless it is cut off at the border of the largest grid.
+            SolidRows::Box(inside) if self.reachable == self.bounds => inside.coverage(bounds),
+            _ => self.coverage_by_values(bounds),
         }
     }
 }

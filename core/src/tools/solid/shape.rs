@@ -10,6 +10,7 @@
 use glam::DVec3;
 
 use super::kind::Solid;
+use super::kind::torus::{FINEST, MOST_STEPS};
 use super::parts::MinkowskiParts;
 use super::simd_real::SimdReal;
 
@@ -53,6 +54,20 @@ impl SolidShape {
         self.solid.support(&self.parts, direction)
     }
 
+    /// Returns a point of the solid that lies furthest along `direction`.
+    pub(super) fn furthest(&self, direction: DVec3) -> DVec3 {
+        self.solid.furthest(&self.parts, direction)
+    }
+
+    /// Returns the margin by which the sweep may miss points because its steps are finite: 0 for convex solids, whose
+    /// sweeps are exact.
+    pub(super) fn finest(&self, displacement: DVec3) -> f64 {
+        match self.solid.spec().is_convex {
+            true => 0.0,
+            false => FINEST.max(self.slack(displacement.abs()) / MOST_STEPS),
+        }
+    }
+
     /// Returns the greatest change of the value over `offset` (at least 0 on each axis), for any signs of its
     /// components.
     pub(super) fn slack(&self, offset: DVec3) -> f64 {
@@ -85,7 +100,6 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::tools::solid::kind::torus::{FINEST, MOST_STEPS};
 
     fn half() -> impl Strategy<Value = DVec3> {
         let edge = || prop_oneof![4 => 0.3f64..60.0, 1 => Just(8.0), 1 => 1e-3f64..1e4];
@@ -125,6 +139,9 @@ mod tests {
                     furthest = furthest.max(direction.dot(middle + outward * low));
                 }
             }
+            let point = shape.furthest(direction);
+            prop_assert!((direction.dot(point) - most).abs() <= 1e-9, "{} reaches {}", point, most);
+            prop_assert!(shape.passes(point, DVec3::ZERO, 1e-9), "{} is outside", point);
             prop_assert!(furthest <= most + 1e-9, "{} beyond {}", furthest, most);
             prop_assert!(furthest >= most - 0.1 * direction.length(), "{} of {}", furthest, most);
         }
@@ -146,15 +163,6 @@ mod tests {
         (axis(), axis(), axis()).prop_map(DVec3::from)
     }
 
-    /// Returns the margin by which the sweep of a torus may miss points because its steps are finite; 0 for other
-    /// solids.
-    fn finest(shape: &SolidShape, displacement: DVec3) -> f64 {
-        match shape.solid() {
-            Solid::Torus => FINEST.max(shape.slack(displacement.abs()) / MOST_STEPS),
-            _ => 0.0,
-        }
-    }
-
     fn solid() -> impl Strategy<Value = Solid> {
         prop::sample::select(&Solid::ALL[..])
     }
@@ -173,7 +181,7 @@ mod tests {
         ) {
             let shape = SolidShape::new(solid, half);
             let passes = shape.passes(p, displacement, 0.0);
-            let fine = 1e-9 + finest(&shape, displacement);
+            let fine = 1e-9 + shape.finest(displacement);
             let between = shape.slack(displacement.abs()) / 4000.0;
             let mut nearly = false;
             for i in 0..=2000 {
@@ -201,7 +209,7 @@ mod tests {
                 prop_assert_eq!(shape.passes(p, DVec3::ZERO, 0.0), shape.contains(p));
             }
             let slack = shape.slack(offset.abs()) * (1.0 + 1e-9) + 1e-9;
-            let fine = finest(&shape, displacement);
+            let fine = shape.finest(displacement);
             if shape.passes(p, displacement, 0.0) {
                 prop_assert!(shape.passes(p + offset, displacement, slack + fine));
             }

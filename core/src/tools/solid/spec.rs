@@ -24,6 +24,8 @@ pub struct SolidSpec {
     pub(super) rows: RowMethod,
     /// Whether it fills its bounding box: axis-aligned, it covers a box of voxels.
     pub fills_its_box: bool,
+    /// Whether it contains every straight line between its points.
+    pub is_convex: bool,
     /// Maps a point of tool space to the image: (0, 0) is the lower left corner, (1, 1) the upper right one.
     pub image_point: fn(Vec3) -> Vec2,
     /// Its surface, for drawing.

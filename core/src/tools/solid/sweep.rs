@@ -24,6 +24,12 @@ pub fn behind<N: SimdReal>([x, y, z]: [N; 3], displacement: DVec3, t: N) -> [N; 
     [x - t * displacement.x, y - t * displacement.y, z - t * displacement.z]
 }
 
+/// Returns the point of the unit circle about the y axis that lies furthest along `direction`; the origin if all lie
+/// equally far.
+pub fn along_circle(direction: DVec3) -> DVec3 {
+    direction.with_y(0.0).normalize_or_zero()
+}
+
 /// The motion of a point perpendicular to the y axis.
 pub struct PerpendicularMotion<N> {
     at: [N; 2],

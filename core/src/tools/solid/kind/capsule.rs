@@ -4,7 +4,7 @@ use glam::{DVec3, Vec2};
 
 use super::super::body::{Body, ProfilePoint, Stretch};
 use super::super::parts::MinkowskiParts;
-pub use super::super::parts::{passes, slack, support};
+pub use super::super::parts::{furthest, passes, slack, support};
 use super::super::simd_real::SimdReal;
 use super::super::spec::{RowMethod, SolidSpec};
 use crate::tools::texture;
@@ -17,6 +17,7 @@ pub static SPEC: SolidSpec = SolidSpec {
     parts,
     rows: RowMethod::Bricks,
     fills_its_box: false,
+    is_convex: true,
     image_point: texture::around_ball,
     body: Body::Revolved {
         profile: &[

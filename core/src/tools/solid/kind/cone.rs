@@ -6,7 +6,7 @@ use super::super::body::{Body, ProfilePoint, Stretch};
 use super::super::parts::MinkowskiParts;
 use super::super::simd_real::SimdReal;
 use super::super::spec::{RowMethod, SolidSpec};
-use super::super::sweep::{PerpendicularMotion, Times, widest_base};
+use super::super::sweep::{PerpendicularMotion, Times, along_circle, widest_base};
 use crate::tools::texture;
 
 const RIM: Vec2 = Vec2::new(1.0, -1.0);
@@ -19,6 +19,7 @@ pub static SPEC: SolidSpec = SolidSpec {
     parts: MinkowskiParts::without_core,
     rows: RowMethod::Bricks,
     fills_its_box: false,
+    is_convex: true,
     image_point: texture::around_side,
     body: Body::Revolved {
         profile: &[Stretch::Line([Vec2::Y, RIM]), Stretch::Line([RIM, Vec2::NEG_Y])],
@@ -59,4 +60,12 @@ pub fn slack(_: &MinkowskiParts, offset: DVec3) -> f64 {
 pub fn support(_: &MinkowskiParts, direction: DVec3) -> f64 {
     let d = direction;
     (d.x.hypot(d.z) - d.y).max(d.y)
+}
+
+/// Returns a point of the rim, or the apex.
+pub fn furthest(parts: &MinkowskiParts, direction: DVec3) -> DVec3 {
+    match direction.y >= support(parts, direction) {
+        true => DVec3::Y,
+        false => along_circle(direction) - DVec3::Y,
+    }
 }

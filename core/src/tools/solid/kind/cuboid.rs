@@ -25,6 +25,7 @@ pub static SPEC: SolidSpec = SolidSpec {
         FaceHalfSpace::new(0.0, 0.0, -1.0, 1.0),
     ]),
     fills_its_box: true,
+    is_convex: true,
     image_point: texture::on_faces,
     body: Body::Faces {
         corners: &[
@@ -73,4 +74,9 @@ pub fn slack(_: &MinkowskiParts, offset: DVec3) -> f64 {
 
 pub fn support(_: &MinkowskiParts, direction: DVec3) -> f64 {
     direction.abs().element_sum()
+}
+
+/// Returns a corner.
+pub fn furthest(_: &MinkowskiParts, direction: DVec3) -> DVec3 {
+    DVec3::ONE.copysign(direction)
 }

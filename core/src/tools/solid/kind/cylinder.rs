@@ -6,7 +6,7 @@ use super::super::body::{Body, ProfilePoint, Stretch};
 use super::super::parts::MinkowskiParts;
 use super::super::simd_real::SimdReal;
 use super::super::spec::{RowMethod, SolidSpec};
-use super::super::sweep::{PerpendicularMotion, Times};
+use super::super::sweep::{PerpendicularMotion, Times, along_circle};
 use crate::tools::texture;
 
 const TOP: Vec2 = Vec2::new(1.0, 1.0);
@@ -20,6 +20,7 @@ pub static SPEC: SolidSpec = SolidSpec {
     parts: MinkowskiParts::without_core,
     rows: RowMethod::Bricks,
     fills_its_box: false,
+    is_convex: true,
     image_point: texture::around_side,
     body: Body::Revolved {
         profile: &[
@@ -63,4 +64,9 @@ pub fn slack(_: &MinkowskiParts, offset: DVec3) -> f64 {
 
 pub fn support(_: &MinkowskiParts, direction: DVec3) -> f64 {
     direction.y.abs() + direction.x.hypot(direction.z)
+}
+
+/// Returns a point of a rim.
+pub fn furthest(_: &MinkowskiParts, direction: DVec3) -> DVec3 {
+    along_circle(direction) + DVec3::Y.copysign(direction)
 }

@@ -17,6 +17,7 @@ pub static SPEC: SolidSpec = SolidSpec {
     parts: MinkowskiParts::without_core,
     rows: RowMethod::Quadric,
     fills_its_box: false,
+    is_convex: true,
     image_point: texture::around_ball,
     body: Body::Revolved {
         profile: &[Stretch::Arc { core: Vec2::ZERO, turns: [0.0, 0.5] }],
@@ -31,4 +32,8 @@ pub fn holds<N: SimdReal>(_: &MinkowskiParts, [x, y, z]: [N; 3]) -> N::Mask {
 
 pub fn support(_: &MinkowskiParts, direction: DVec3) -> f64 {
     direction.length()
+}
+
+pub fn furthest(_: &MinkowskiParts, direction: DVec3) -> DVec3 {
+    direction.normalize_or_zero()
 }

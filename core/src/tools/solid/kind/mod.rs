@@ -83,6 +83,13 @@ macro_rules! solids {
                     $(Solid::$id => $file::support(parts, direction)),*
                 }
             }
+
+            /// Returns a point of the solid that lies furthest along `direction`.
+            pub(super) fn furthest(self, parts: &MinkowskiParts, direction: DVec3) -> DVec3 {
+                match self {
+                    $(Solid::$id => $file::furthest(parts, direction)),*
+                }
+            }
         }
     };
 }

@@ -24,6 +24,7 @@ pub static SPEC: SolidSpec = SolidSpec {
         FaceHalfSpace::new(0.0, 0.5, -1.0, 0.5),
     ]),
     fills_its_box: false,
+    is_convex: true,
     image_point,
     body: Body::Faces {
         corners: &[
@@ -69,6 +70,14 @@ pub fn slack(_: &MinkowskiParts, offset: DVec3) -> f64 {
 pub fn support(_: &MinkowskiParts, direction: DVec3) -> f64 {
     let d = direction;
     (d.x.abs() + d.z.abs() - d.y).max(d.y)
+}
+
+/// Returns a corner of the base, or the apex.
+pub fn furthest(parts: &MinkowskiParts, direction: DVec3) -> DVec3 {
+    match direction.y >= support(parts, direction) {
+        true => DVec3::Y,
+        false => DVec3::ONE.copysign(direction).with_y(-1.0),
+    }
 }
 
 /// Maps a point to the image, which narrows with the sides from layer to layer.

@@ -7,7 +7,7 @@ use super::super::body::{Body, ProfilePoint, Stretch};
 use super::super::parts::MinkowskiParts;
 use super::super::simd_real::SimdReal;
 use super::super::spec::{RowMethod, SolidSpec};
-use super::super::sweep::{Times, behind};
+use super::super::sweep::{Times, along_circle, behind};
 use crate::tools::texture;
 
 pub static SPEC: SolidSpec = SolidSpec {
@@ -18,6 +18,7 @@ pub static SPEC: SolidSpec = SolidSpec {
     parts,
     rows: RowMethod::Bricks,
     fills_its_box: false,
+    is_convex: false,
     image_point: texture::around_ball,
     body: Body::Revolved {
         profile: &[Stretch::Arc { core: Vec2::X, turns: [0.0, 1.0] }],
@@ -99,4 +100,8 @@ pub fn slack(parts: &MinkowskiParts, offset: DVec3) -> f64 {
 pub fn support(parts: &MinkowskiParts, direction: DVec3) -> f64 {
     let d = direction;
     parts.core.x * d.x.hypot(d.z) + (parts.round * d).length()
+}
+
+pub fn furthest(parts: &MinkowskiParts, direction: DVec3) -> DVec3 {
+    parts.core * along_circle(direction) + parts.furthest_of_round(direction)
 }
