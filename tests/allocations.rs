@@ -140,7 +140,8 @@ fn an_edit_allocates_for_its_command_and_nothing_for_its_voxels() {
         fewest
     };
     let (small, large) = (allocations(3.0), allocations(50.0));
-    // A list of mirror images, one of regions, and the operations that an array may repeat.
-    assert!(small <= 3, "{small} allocations for a small ball");
+    // A list of mirror images, one of regions, and the operations that an array may repeat; the leaves of the tree that
+    // the edit opens, in a list that grows once, their rows of bricks, and the leaves that have changed.
+    assert!(small <= 7, "{small} allocations for a small ball");
     assert_eq!(small, large, "more voxels, more allocations");
 }

@@ -1,12 +1,14 @@
 //! Distributes the changed bricks of a document to its subscribers. Each drains every change once, at its own time. A
 //! window and a headset, for instance, draw the same sculpture on devices of their own.
 //!
-//! Takes sets of linear brick indices; returns rising lists of them. Knows nothing of the grid but its number of
-//! bricks.
+//! Takes sets of bricks; returns rising lists of linear brick indices. Knows nothing of the grid but its size in bricks.
 
 use std::sync::{Arc, Weak};
 
-use crate::sculpture::brick_set::BrickSet;
+use glam::UVec3;
+
+use crate::sculpture::brick_set::{BrickSet, for_each_in};
+use crate::sculpture::index_set::IndexSet;
 
 /// Identifies a subscriber to the changes of a document. Clones are the same subscriber; once all are
 /// dropped, it is removed.
@@ -18,7 +20,7 @@ pub struct ChangeSubscriber(Arc<()>);
 struct PendingChanges {
     subscriber: Weak<()>,
     /// Changed bricks; meaningless if `all` is set.
-    bricks: BrickSet,
+    bricks: IndexSet,
     all: bool,
 }
 
@@ -31,18 +33,23 @@ pub(super) struct SubscribedChanges {
 }
 
 impl SubscribedChanges {
-    /// Adds changes to the pending ones of every subscriber, in a grid of `brick_count` bricks. These are the bricks in
+    /// Adds changes to the pending ones of every subscriber, in a grid of `brick_dims` bricks. These are the bricks in
     /// `bricks`, which is emptied, or, with `all`, all bricks of a grid that may have another size.
-    pub fn publish(&mut self, bricks: &mut BrickSet, all: bool, brick_count: usize) {
+    pub fn publish(&mut self, bricks: &mut BrickSet, all: bool, brick_dims: UVec3) {
         self.pending.retain(|pending| pending.subscriber.strong_count() > 0);
         if all {
             for pending in &mut self.pending {
-                pending.bricks = BrickSet::new(brick_count);
+                pending.bricks = IndexSet::new(brick_dims.element_product() as usize);
                 pending.all = true;
             }
         }
-        for changed in bricks.masks() {
-            self.pending.iter_mut().for_each(|pending| pending.bricks.insert_mask(changed));
+        if !self.pending.is_empty() {
+            for (leaf, changed) in bricks.leaves() {
+                for_each_in(leaf, &changed, |b| {
+                    let index = b.x + brick_dims.x * (b.y + brick_dims.y * b.z);
+                    self.pending.iter_mut().for_each(|pending| pending.bricks.insert(index));
+                });
+            }
         }
         bricks.clear();
     }
@@ -53,7 +60,7 @@ impl SubscribedChanges {
         let subscriber = Arc::downgrade(&subscriber.0);
         let known = |pending: &&mut PendingChanges| pending.subscriber.ptr_eq(&subscriber);
         let Some(pending) = self.pending.iter_mut().find(known) else {
-            let bricks = BrickSet::new(brick_count);
+            let bricks = IndexSet::new(brick_count);
             self.pending.push(PendingChanges { subscriber, bricks, all: false });
             return None;
         };
@@ -68,9 +75,12 @@ impl SubscribedChanges {
 mod tests {
     use super::*;
 
+    /// The size in bricks: 500 of them.
+    const DIMS: UVec3 = UVec3::new(20, 5, 5);
+
     fn set(bricks: &[u32]) -> BrickSet {
-        let mut set = BrickSet::new(500);
-        bricks.iter().for_each(|brick| set.insert(*brick));
+        let mut set = BrickSet::default();
+        bricks.iter().for_each(|i| set.insert(UVec3::new(i % 20, i / 20 % 5, i / 100)));
         set
     }
 
@@ -79,16 +89,16 @@ mod tests {
         let (window, headset) = (ChangeSubscriber::default(), ChangeSubscriber::default());
         let mut changes = SubscribedChanges::default();
         assert_eq!(changes.drain(&window, 500), None, "a new subscriber needs all");
-        changes.publish(&mut set(&[3, 70, 71]), false, 500);
+        changes.publish(&mut set(&[3, 70, 71]), false, DIMS);
         assert_eq!(changes.drain(&headset, 500), None);
         assert_eq!(changes.drain(&window, 500), Some(&[3, 70, 71][..]));
-        changes.publish(&mut set(&[1, 499]), false, 500);
-        changes.publish(&mut set(&[1, 2]), false, 500);
+        changes.publish(&mut set(&[1, 499]), false, DIMS);
+        changes.publish(&mut set(&[1, 2]), false, DIMS);
         assert_eq!(changes.drain(&headset.clone(), 500), Some(&[1, 2, 499][..]));
         assert_eq!(changes.drain(&headset, 500), Some(&[][..]));
         assert_eq!(changes.drain(&window, 500), Some(&[1, 2, 499][..]));
         // In another grid, pending changes of the old one no longer matter.
-        changes.publish(&mut set(&[]), true, 8);
+        changes.publish(&mut set(&[]), true, UVec3::splat(2));
         assert_eq!(changes.drain(&window, 8), None);
         assert_eq!(changes.drain(&window, 8), Some(&[][..]));
         assert_eq!(changes.drain(&headset, 8), None);
@@ -99,7 +109,7 @@ mod tests {
         let mut changes = SubscribedChanges::default();
         for _ in 0..10 {
             changes.drain(&ChangeSubscriber::default(), 10);
-            changes.publish(&mut BrickSet::new(10), false, 10);
+            changes.publish(&mut BrickSet::default(), false, UVec3::new(10, 1, 1));
         }
         assert!(changes.pending.is_empty());
     }

@@ -50,7 +50,7 @@ impl EditTarget {
             limits,
             revision: 0,
             recorder: StrokeRecorder::new(&contents.grid),
-            dirty: BrickSet::new(contents.grid.brick_count()),
+            dirty: BrickSet::default(),
             all_dirty: true,
             contents: Arc::new(contents),
         }
@@ -130,9 +130,9 @@ impl EditTarget {
             Some(_) => None,
             None if !adds => return Ok(EditStats::default()),
             None => {
-                let left = self.limits.grid_bytes.saturating_sub(grid.heap_bytes());
+                let left = self.limits.grid_bytes.saturating_sub(Grid::bytes_for(grid.dims()));
                 Grid::check(grid.dims(), grid.voxel_size(), left)?;
-                Some(Box::new(grid.try_emptied()?))
+                Some(Box::new(grid.emptied()))
             }
         };
         let contents = Arc::make_mut(&mut self.contents);
@@ -205,7 +205,7 @@ impl EditTarget {
 
     /// Publishes the bricks changed since the last call to the subscribers of `changes`.
     pub fn publish(&mut self, changes: &mut SubscribedChanges) {
-        let bricks = self.contents.grid.brick_count();
+        let bricks = self.contents.grid.brick_dims();
         changes.publish(&mut self.dirty, std::mem::take(&mut self.all_dirty), bricks);
     }
 }

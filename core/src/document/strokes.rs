@@ -71,7 +71,7 @@ impl Strokes {
     /// Keeps the present surface for the rest of the open stroke, unless an earlier one is kept.
     pub fn keep_surface(&mut self, grid: &Grid) -> Result<(), CommandError> {
         if self.is_open() && self.surface.is_none() {
-            self.surface = Some(Box::new(grid.copied()?));
+            self.surface = Some(Box::new(grid.clone()));
         }
         Ok(())
     }

@@ -18,8 +18,8 @@ use super::smoothing::SmoothField;
 use super::{Budget, Mesh, MeshError, MeshKind, MeshPart, VertexColours};
 use crate::progress::Progress;
 use crate::sculpture::brick::{BRICK_EDGE_VX, BrickKind};
-use crate::sculpture::brick_set::BrickSet;
 use crate::sculpture::history::Contents;
+use crate::sculpture::index_set::IndexSet;
 use crate::sculpture::{Grid, Limits, Rgb};
 
 /// Cells of a block along each axis: a word along x, and few across, since any change rebuilds a whole block.
@@ -276,7 +276,7 @@ fn is_uniform(grid: &Grid, cells: &LatticeCells) -> bool {
 /// among its octants.
 fn blocks_of(grid: &Grid, bricks: &[u32]) -> Vec<u32> {
     let dims = block_dims(grid.dims());
-    let mut blocks = BrickSet::new(dims.element_product() as usize);
+    let mut blocks = IndexSet::new(dims.element_product() as usize);
     for &brick in bricks {
         let first = grid.brick_coords(brick as usize) * BRICK_EDGE_VX;
         // Blocks have the corners at their upper sides, too.

@@ -40,18 +40,6 @@ pub enum BrickKind {
     Full,
 }
 
-impl BrickKind {
-    /// Returns the kind of a brick of `count` voxels (0..=512).
-    #[inline(always)]
-    pub(crate) fn of_count(count: u16) -> BrickKind {
-        match u32::from(count) {
-            0 => BrickKind::Empty,
-            BRICK_VOXELS => BrickKind::Full,
-            _ => BrickKind::Mixed,
-        }
-    }
-}
-
 /// Returns the index in 0..512 of a voxel in its brick, from brick-local coordinates 0..8: `word * 64 + bit`. Colour
 /// pages use the same order.
 #[inline(always)]

@@ -1,141 +1,139 @@
-//! Sets of bricks by linear index: a bit per brick, and a list of the words in use, so that filling,
-//! iterating and clearing take time proportional to the set, not to the grid.
+//! Sets of bricks by their coordinates: a mask for each leaf of 8^3 bricks, so that memory and time follow the bricks in
+//! the set, not the size of the grid.
 //!
-//! Knows no grid beyond its number of bricks.
+//! Knows no grid.
 
-/// Bricks among the 64 whose linear indices begin at `64 * word`.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub struct BrickMask {
-    /// The lowest of the 64 linear indices, divided by 64.
-    pub word: u32,
-    /// A bit per brick, the lowest bit for the lowest index.
-    pub mask: u64,
-}
+use glam::UVec3;
+use rustc_hash::FxHashMap;
 
-impl BrickMask {
-    /// Returns the linear indices in ascending order.
+use super::brick::{Brick, local_coords, local_index};
+
+/// Bits of a leaf's coordinate in a key.
+const KEY_BITS: u32 = 10;
+
+/// The coordinates of a leaf of 8^3 bricks, those of its bricks divided by 8. Keys are ordered by z, then y, then x.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Default)]
+pub struct LeafKey(u32);
+
+impl LeafKey {
+    /// Returns the key of the leaf at these coordinates, each below 1024.
     #[inline(always)]
-    pub fn indices(self) -> Indices {
-        Indices(self)
+    pub fn of(leaf: UVec3) -> LeafKey {
+        LeafKey(leaf.x | leaf.y << KEY_BITS | leaf.z << (2 * KEY_BITS))
+    }
+
+    /// Returns the coordinates.
+    #[inline(always)]
+    pub fn coords(self) -> UVec3 {
+        let part = |axis: u32| self.0 >> (axis * KEY_BITS) & ((1 << KEY_BITS) - 1);
+        UVec3::new(part(0), part(1), part(2))
     }
 }
 
-/// The linear indices of a [`BrickMask`].
-pub struct Indices(BrickMask);
-
-impl Iterator for Indices {
-    type Item = u32;
-
-    #[inline(always)]
-    fn next(&mut self) -> Option<u32> {
-        let BrickMask { word, mask } = &mut self.0;
-        if *mask == 0 {
-            return None;
-        }
-        let index = *word * 64 + mask.trailing_zeros();
-        *mask &= *mask - 1;
-        Some(index)
-    }
-}
-
-/// A set of linear brick indices.
-#[derive(Debug, Default)]
+/// A set of bricks.
+#[derive(Clone, Debug, Default)]
 pub struct BrickSet {
-    words: Vec<u64>,
-    /// The words that are not 0, each once, in the order of first insertion.
-    used: Vec<u32>,
+    leaves: FxHashMap<LeafKey, Brick>,
 }
 
 impl BrickSet {
-    /// Returns an empty set over `brick_count` bricks.
-    pub fn new(brick_count: usize) -> BrickSet {
-        BrickSet { words: vec![0; brick_count.div_ceil(64)], used: Vec::new() }
-    }
-
     /// Returns whether no brick is in the set.
     pub fn is_empty(&self) -> bool {
-        self.used.is_empty()
+        self.leaves.is_empty()
     }
 
     /// Returns the number of bricks in the set.
     pub fn len(&self) -> usize {
-        self.used.iter().map(|&word| self.words[word as usize].count_ones() as usize).sum()
+        self.leaves.values().map(|mask| usize::from(mask.count())).sum()
     }
 
-    /// Returns whether the brick of linear index `index` is in the set.
-    #[inline]
-    pub fn contains(&self, index: u32) -> bool {
-        self.words[index as usize / 64] >> (index % 64) & 1 != 0
+    /// Returns whether the brick at brick coordinates `b` is in the set.
+    pub fn contains(&self, b: UVec3) -> bool {
+        self.of_leaf(LeafKey::of(b >> 3)).get(b.x & 7, b.y & 7, b.z & 7)
     }
 
-    /// Returns the bricks of `word` that are in the set, as 64 bits.
+    /// Returns the bricks of a leaf that are in the set.
     #[inline]
-    pub fn mask(&self, word: u32) -> u64 {
-        self.words[word as usize]
+    pub fn of_leaf(&self, leaf: LeafKey) -> Brick {
+        self.leaves.get(&leaf).copied().unwrap_or_default()
     }
 
-    /// Adds the brick of linear index `index`.
-    #[inline]
-    pub fn insert(&mut self, index: u32) {
-        self.insert_mask(BrickMask { word: index / 64, mask: 1 << (index % 64) });
+    /// Adds the brick at brick coordinates `b`.
+    pub fn insert(&mut self, b: UVec3) {
+        let index = local_index(b.x & 7, b.y & 7, b.z & 7);
+        let mask = self.leaves.entry(LeafKey::of(b >> 3)).or_default();
+        mask.words[(index >> 6) as usize] |= 1 << (index & 63);
     }
 
-    /// Adds all bricks of `bricks`.
+    /// Adds bricks of a leaf, a bit each in the order of the voxels of a brick. Returns those that were not in the set.
     #[inline]
-    pub(crate) fn insert_mask(&mut self, bricks: BrickMask) {
-        if bricks.mask == 0 {
-            return;
+    pub fn insert_in(&mut self, leaf: LeafKey, bricks: &Brick) -> Brick {
+        if bricks.is_empty() {
+            return Brick::EMPTY;
         }
-        let word = &mut self.words[bricks.word as usize];
-        if *word == 0 {
-            self.used.push(bricks.word);
-        }
-        *word |= bricks.mask;
+        let mask = self.leaves.entry(leaf).or_default();
+        let new = bricks.and_not(mask);
+        *mask = mask.or(bricks);
+        new
     }
 
-    /// Returns the words in use, in the order of first insertion.
-    pub fn masks(&self) -> impl Iterator<Item = BrickMask> {
-        self.used.iter().map(|&word| BrickMask { word, mask: self.words[word as usize] })
-    }
-
-    /// Appends the linear indices to `out` in ascending order.
-    pub(crate) fn collect_into(&mut self, out: &mut Vec<u32>) {
-        self.used.sort_unstable();
-        for bricks in self.masks() {
-            out.extend(bricks.indices());
-        }
+    /// Returns the leaves with bricks in the set, and which these are, in the order of the keys.
+    pub fn leaves(&self) -> Vec<(LeafKey, Brick)> {
+        let mut leaves: Vec<_> = self.leaves.iter().map(|(leaf, mask)| (*leaf, *mask)).collect();
+        leaves.sort_unstable_by_key(|(leaf, _)| *leaf);
+        leaves
     }
 
     /// Removes all bricks; keeps the memory.
     pub fn clear(&mut self) {
-        for &word in &self.used {
-            self.words[word as usize] = 0;
-        }
-        self.used.clear();
+        self.leaves.clear();
     }
+}
+
+/// Calls `f` with the coordinates of bricks of a leaf.
+pub fn for_each_in(leaf: LeafKey, bricks: &Brick, mut f: impl FnMut(UVec3)) {
+    let low = leaf.coords() << 3;
+    bricks.for_each(|index| f(low + UVec3::from(local_coords(index))));
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use proptest::prelude::*;
     use std::collections::BTreeSet;
+
+    use proptest::prelude::*;
+
+    use super::*;
 
     proptest! {
         #[test]
-        fn behaves_as_a_set(indices in prop::collection::vec(0u32..1000, 0..300), again: bool) {
-            let mut set = BrickSet::new(1000);
+        fn behaves_as_a_set(bricks in prop::collection::vec(prop::array::uniform3(0u32..8192), 0..60), again: bool) {
+            let mut set = BrickSet::default();
             if again {
-                indices.iter().rev().for_each(|&i| set.insert(i ^ 1));
+                bricks.iter().for_each(|b| set.insert(UVec3::from(*b) ^ 1));
                 set.clear();
                 prop_assert!(set.is_empty());
             }
-            for &i in &indices { set.insert(i); }
-            let naive: BTreeSet<u32> = indices.into_iter().collect();
-            let mut list = Vec::new();
-            set.collect_into(&mut list);
-            prop_assert_eq!(&list, &naive.iter().copied().collect::<Vec<_>>());
-            for i in 0..1000 { prop_assert_eq!(set.contains(i), naive.contains(&i)); }
+            let mut naive = BTreeSet::new();
+            for b in bricks {
+                prop_assert_eq!(set.contains(UVec3::from(b)), naive.contains(&b));
+                set.insert(UVec3::from(b));
+                naive.insert(b);
+            }
+            prop_assert_eq!(set.len(), naive.len());
+            let mut listed = BTreeSet::new();
+            let leaves = set.leaves();
+            prop_assert!(leaves.is_sorted_by(|a, b| a.0 < b.0));
+            for (leaf, mask) in &leaves {
+                prop_assert_eq!(LeafKey::of(leaf.coords()), *leaf);
+                for_each_in(*leaf, mask, |b| { listed.insert(b.to_array()); });
+            }
+            prop_assert_eq!(listed, naive);
+            let mut copy = BrickSet::default();
+            for (leaf, mask) in leaves {
+                prop_assert_eq!(copy.insert_in(leaf, &mask), mask);
+                prop_assert_eq!(copy.insert_in(leaf, &mask), Brick::EMPTY);
+                prop_assert_eq!(copy.of_leaf(leaf), mask);
+            }
         }
     }
 }

@@ -8,7 +8,7 @@ use super::brick::{BRICK_EDGE_VX, local_index};
 use super::colour::{ColourDepth, Rgb};
 use super::grid::Grid;
 use super::material::Material;
-use super::memory::NoMemory;
+use super::memory::{self, NoMemory};
 
 /// The form in which nearby voxels are shown, and the default for their mesh.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
@@ -81,13 +81,14 @@ impl Contents {
         self.grid.get(v).then(|| self.rgb(v.as_uvec3()))
     }
 
-    /// Returns a copy, unless the system lacks the memory for it.
+    /// Returns a copy, unless the system lacks the memory for it. The copy shares the nodes of grid and mask; the memory
+    /// for copies of all of them is required nevertheless, since edits may need it.
     pub fn copied(&self) -> Result<Contents, NoMemory> {
         let no_memory = NoMemory { bytes: self.kept_bytes() as u64 };
-        let grid = self.grid.copied().map_err(|_| no_memory)?;
+        let mask = self.mask.as_ref().map_or(0, |mask| mask.heap_bytes());
+        memory::probe((self.grid.heap_bytes() + mask) as usize).map_err(|_| no_memory)?;
         let material = self.material.copied().map_err(|_| no_memory)?;
-        let mask = self.mask.as_ref().map(|mask| mask.copied().map(Box::new)).transpose();
-        let mask = mask.map_err(|_| no_memory)?;
+        let (grid, mask) = (self.grid.clone(), self.mask.clone());
         Ok(Contents { grid, material, mask, surface: self.surface })
     }
 

@@ -56,8 +56,8 @@ impl Digest {
             .step_by(RUN_BRICKS)
             .map(|first| {
                 let mut hasher = Sha256::new();
-                for index in first..grid.brick_count().min(first + RUN_BRICKS) {
-                    let brick = grid.brick_at(index);
+                let run = grid.bricks_from(first).take(RUN_BRICKS);
+                for (index, (_, brick)) in (first..).zip(run) {
                     match (brick.is_empty(), brick.is_full()) {
                         (true, _) => hasher.update(&[0]),
                         (_, true) => hasher.update(&[1]),

@@ -1,25 +1,27 @@
-//! Applies an [`EditOp`] to a [`Region`] of voxels, row of bricks by row of bricks, in parallel where that pays. The
+//! Applies an [`EditOp`] to a [`Region`] of voxels, leaf by leaf of the grid's tree, in parallel where that pays. The
 //! only place where existence bits change after loading.
 //!
-//! Takes the contents and the recorder of the open stroke; returns counts of what changed, stores the
-//! earlier values in the recorder, and marks bricks dirty. Knows no tool: a tool is anything that
+//! Takes the contents and the recorder of the open stroke; returns counts of what changed, tells the
+//! recorder which bricks have changed, and marks them dirty. Knows no tool: a tool is anything that
 //! implements [`Region`].
 
+use std::cell::RefCell;
 use std::ops::Range;
 
 use fearless_simd::{Level, Simd, dispatch};
 use glam::UVec3;
+use rayon::prelude::*;
 
 use super::brick::{BRICK_EDGE_VX, Brick};
-use super::brick_set::{BrickMask, BrickSet};
+use super::brick_set::{BrickSet, LeafKey};
 use super::colour::Rgb;
 use super::contents::Contents;
 pub use super::edit_stats::EditStats;
-use super::grid::{Grid, GridBand};
+use super::grid::{ChangedLeaf, Cube, CubeEdit, Grid, LeafEdit, LeafPlace, Lent, LentLeaf};
+use super::index_set::IndexSet;
 use super::material::{Brush, Page};
-use super::region::{BrickBox, Region};
-use super::row_edit::{RowEdit, RowPiece};
-use super::stroke::{BandRecord, StrokeBands, StrokeRecorder};
+use super::region::{BoxCoverage, BrickBox, Region, RowReach};
+use super::stroke::{ColourBands, PageRecord, StrokeRecorder};
 
 /// An operation on the voxels of a region.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -32,8 +34,17 @@ pub enum EditOp {
     Recolour(Rgb),
 }
 
+thread_local! {
+    /// Room for the new bricks of a leaf.
+    static SCRATCH: RefCell<Box<[Brick; 512]>> = RefCell::new(Box::new([Brick::EMPTY; 512]));
+}
+
 /// Edits of boxes of fewer bricks than this stay on one thread: waking others would cost more than it gains.
 const PARALLEL_BRICKS: u64 = 2048;
+
+/// In boxes of at most so many bricks, an edit opens cubes without asking whether its region reaches them: most are
+/// reached, and the question would cost more than the edit.
+const SMALL_BRICKS: u64 = 20 * 20 * 20;
 
 /// Applies `op` to the voxels of `region` that lie within the grid.
 pub fn edit(
@@ -54,23 +65,36 @@ pub fn edit(
         _ => return EditStats::default(),
     };
     let parallel = bricks.brick_count() >= PARALLEL_BRICKS;
-    let slabs = bricks.min.z..bricks.max.z;
-    BitEdit { region, op, paint, bricks }.apply(&mut contents.grid, recorder);
-    let StrokeBands { bands, pages_kept, .. } = recorder.recording();
-    let any_to_paint = bands.iter().any(|band| !band.to_paint.is_empty());
-    if let Some(brush) = brush.as_ref().filter(|_| any_to_paint) {
+    let mut done = match op {
+        EditOp::Recolour(_) => voxels_in(&contents.grid, region, bricks, parallel),
+        EditOp::Add(_) => change_bits(
+            &mut contents.grid,
+            recorder,
+            region,
+            EditBits { adds: true, paint },
+            bricks,
+        ),
+        EditOp::Subtract => change_bits(
+            &mut contents.grid,
+            recorder,
+            region,
+            EditBits { adds: false, paint },
+            bricks,
+        ),
+    };
+    if let Some(brush) = brush.as_ref().filter(|_| !done.to_paint.is_empty()) {
         let recolour = matches!(op, EditOp::Recolour(_));
-        let per_band = contents.grid.bricks_per_band();
-        let touched = contents.grid.bands_of(slabs);
-        contents.material.edit_bands(
-            per_band,
-            touched,
-            parallel,
-            bands,
-            &|first, pages, record| paint_band(brush, first, pages, record, pages_kept, recolour),
-        );
+        let grid = &contents.grid;
+        recorder.list_to_paint(std::mem::take(&mut done.to_paint), grid);
+        let (pages, pages_kept) = recorder.pages();
+        let per_band = ColourBands::of(grid).bricks;
+        let bands = ColourBands::of_slabs(bricks.min.z..bricks.max.z);
+        let paint = |first: u32, pages: &mut [Option<Page>], record: &mut PageRecord| {
+            paint_band(brush, first, pages, record, pages_kept, recolour)
+        };
+        contents.material.edit_bands(per_band, bands, parallel, pages, &paint);
     }
-    recorder.close_edit(dirty)
+    recorder.close_edit(&contents.grid, done.changed, done.stats, dirty)
 }
 
 /// Adds the voxels of `region` that lie within the grid to a mask, or removes them from it.
@@ -82,74 +106,299 @@ pub(crate) fn edit_mask(
     dirty: &mut BrickSet,
 ) -> EditStats {
     let Some(bricks) = BrickBox::around(region, mask) else { return EditStats::default() };
-    let op = if adds { EditOp::Add(None) } else { EditOp::Subtract };
-    BitEdit { region, op, paint: false, bricks }.apply(mask, recorder);
-    let EditStats { voxels_added, voxels_removed, bricks_changed, .. } = recorder.close_edit(dirty);
+    let bits = EditBits { adds, paint: false };
+    let Changed { changed, stats, .. } = change_bits(mask, recorder, region, bits, bricks);
+    let EditStats { voxels_added, voxels_removed, bricks_changed, .. } =
+        recorder.close_edit(mask, changed, stats, dirty);
     // No voxel of the sculpture has changed.
     let voxels_masked = voxels_added + voxels_removed;
     EditStats { voxels_masked, bricks_changed, ..EditStats::default() }
 }
 
-/// An operation on the bits of the voxels of a region within a box of bricks.
-struct BitEdit<'a, R> {
-    region: &'a R,
-    op: EditOp,
-    /// Whether voxels to paint are listed in the records.
-    paint: bool,
-    bricks: BrickBox,
+/// The changes of an edit.
+#[derive(Default)]
+struct Changed {
+    /// The leaves in which bits have changed.
+    changed: Vec<ChangedLeaf>,
+    /// The voxels that remain to be painted, by brick.
+    to_paint: Vec<(UVec3, Brick)>,
+    stats: EditStats,
 }
 
-impl<R: Region> BitEdit<'_, R> {
-    fn apply(&self, grid: &mut Grid, recorder: &mut StrokeRecorder) {
-        let parallel = self.bricks.brick_count() >= PARALLEL_BRICKS;
-        let StrokeBands { bands, bits_kept, .. } = recorder.recording();
-        let level = Level::new();
-        let slabs = self.bricks.min.z..self.bricks.max.z;
-        grid.edit_bands(slabs, parallel, bands, &|grid, record| {
-            dispatch!(level, simd => self.apply_to_band(simd, bits_kept, grid, record));
-        });
+impl Changed {
+    fn append(&mut self, mut other: Changed) {
+        self.changed.append(&mut other.changed);
+        self.to_paint.append(&mut other.to_paint);
+        self.stats += other.stats;
     }
+}
 
-    /// Edits the bits in a band of the grid.
+/// The kind of an edit of bits.
+#[derive(Clone, Copy)]
+struct EditBits {
+    /// Whether voxels are added; otherwise they are removed.
+    adds: bool,
+    /// Whether new voxels are listed to be painted.
+    paint: bool,
+}
+
+/// Makes the voxels of a region within `bricks` exist or not.
+fn change_bits(
+    grid: &mut Grid,
+    recorder: &StrokeRecorder,
+    region: &impl Region,
+    bits: EditBits,
+    bricks: BrickBox,
+) -> Changed {
+    let (bounds, is_small) = (region.bounds_vx(), bricks.brick_count() <= SMALL_BRICKS);
+    let mut choose = |cube: Cube| {
+        if bits.adds && cube.is_full || !bits.adds && cube.is_empty {
+            return CubeEdit::Skip;
+        }
+        // Small regions reach most cubes around them, and cover none that exceeds their bounds.
+        let voxels = cube.voxels();
+        if is_small && (voxels.min.cmplt(bounds.min).any() || voxels.max.cmpgt(bounds.max).any()) {
+            return CubeEdit::Open;
+        }
+        match region.coverage(voxels) {
+            BoxCoverage::None => CubeEdit::Skip,
+            BoxCoverage::Part => CubeEdit::Open,
+            BoxCoverage::All if bits.paint => CubeEdit::Open,
+            BoxCoverage::All if bits.adds => CubeEdit::Fill,
+            BoxCoverage::All => CubeEdit::Clear,
+        }
+    };
+    let Lent { mut leaves, changed, voxels_added, voxels_removed } = grid.lend(bricks, &mut choose);
+    let mut done = Changed { changed, ..Changed::default() };
+    done.stats.voxels_added += voxels_added;
+    done.stats.voxels_removed += voxels_removed;
+    done.stats.bricks_changed +=
+        done.changed.iter().map(|leaf| u64::from(leaf.bricks.count())).sum::<u64>();
+    // Leaves in a row along x share what the region computes for the rows of bricks.
+    leaves.sort_unstable_by_key(|leaf| (leaf.leaf.z, leaf.leaf.y, leaf.leaf.x));
+    let work = LeafWork { region, recorder, bits, bricks, place: grid.leaf_place() };
+    let rows = leaves.chunk_by_mut(|a, b| (a.leaf.y, a.leaf.z) == (b.leaf.y, b.leaf.z));
+    let level = Level::new();
+    let edit_row = |row: &mut [LentLeaf], cut: &mut Vec<_>, done: &mut Changed| {
+        SCRATCH.with_borrow_mut(
+            |scratch| dispatch!(level, simd => work.edit_row(simd, row, cut, scratch, done)),
+        );
+    };
+    if bricks.brick_count() >= PARALLEL_BRICKS {
+        let rows: Vec<_> = rows.collect();
+        let one = |row| {
+            let mut done = Changed::default();
+            edit_row(row, &mut Vec::new(), &mut done);
+            done
+        };
+        let parts: Vec<Changed> = rows.into_par_iter().map(one).collect();
+        parts.into_iter().for_each(|part| done.append(part));
+    } else {
+        let mut cut = Vec::new();
+        rows.for_each(|row| edit_row(row, &mut cut, &mut done));
+    }
+    grid.put_back(leaves);
+    done
+}
+
+/// Lists the existing voxels of a region within `bricks`.
+fn voxels_in(grid: &Grid, region: &impl Region, bricks: BrickBox, parallel: bool) -> Changed {
+    let level = Level::new();
+    let slab = |z: u32| {
+        let mut found = Changed::default();
+        let mut cut = Default::default();
+        for y in bricks.min.y..bricks.max.y {
+            let row = BrickRow { x: bricks.min.x..bricks.max.x, y, z };
+            dispatch!(level, simd => row.walk(
+                simd,
+                region,
+                &mut cut,
+                #[inline(always)]
+                |piece| piece.each(
+                    #[inline(always)]
+                    |b| {
+                        let brick = grid.brick(b);
+                        if brick.is_empty() {
+                            return;
+                        }
+                        let mask = piece.mask(b).and(brick);
+                        if !mask.is_empty() {
+                            found.to_paint.push((b, mask));
+                        }
+                    },
+                ),
+            ));
+        }
+        found
+    };
+    let slabs = bricks.min.z..bricks.max.z;
+    let mut found = Changed::default();
+    match parallel {
+        true => {
+            let parts: Vec<Changed> = slabs.into_par_iter().map(slab).collect();
+            parts.into_iter().for_each(|part| found.append(part));
+        }
+        false => slabs.for_each(|z| found.append(slab(z))),
+    }
+    found
+}
+
+/// An edit of the bits of leaves.
+struct LeafWork<'a, R> {
+    region: &'a R,
+    recorder: &'a StrokeRecorder,
+    bits: EditBits,
+    bricks: BrickBox,
+    place: LeafPlace,
+}
+
+/// Bricks on an edge of a leaf.
+const LEAF_EDGE: u32 = 8;
+
+impl<R: Region> LeafWork<'_, R> {
+    /// Edits leaves of one row along x, and adds what changes to `done`. `rows` and `scratch` give it room.
     #[inline(always)]
-    fn apply_to_band<S: Simd>(
+    fn edit_row<S: Simd>(
         &self,
         simd: S,
-        bits_kept: &BrickSet,
-        grid: &mut GridBand,
-        record: &mut BandRecord,
+        leaves: &mut [LentLeaf],
+        rows: &mut Vec<CutRow<R>>,
+        scratch: &mut [Brick; 512],
+        done: &mut Changed,
     ) {
-        let &BitEdit { region, op, paint, ref bricks } = self;
-        let mut cut = Default::default();
-        for z in grid.slabs_of(bricks.min.z..bricks.max.z) {
-            for y in bricks.min.y..bricks.max.y {
-                let row = BrickRow { x: bricks.min.x..bricks.max.x, y, z };
-                let cut = &mut cut;
-                let mut edit = RowEdit::new(grid, record, bits_kept);
-                match op {
-                    EditOp::Add(_) => row.walk(
-                        simd,
-                        region,
-                        cut,
-                        #[inline(always)]
-                        |piece| edit.add(piece, paint),
-                    ),
-                    EditOp::Subtract => row.walk(
-                        simd,
-                        region,
-                        cut,
-                        #[inline(always)]
-                        |piece| edit.subtract(piece),
-                    ),
-                    EditOp::Recolour(_) => row.walk(
-                        simd,
-                        region,
-                        cut,
-                        #[inline(always)]
-                        |piece| edit.paint(piece),
-                    ),
+        let Some(first) = leaves.first() else { return };
+        let low = first.leaf * LEAF_EDGE;
+        let (from, end) = (self.bricks.min.max(low), self.bricks.max.min(low + LEAF_EDGE));
+        rows.clear();
+        for z in from.z..end.z {
+            for y in from.y..end.y {
+                let mut cut = R::Row::default();
+                let RowReach { touched, whole } =
+                    self.region.cut_row(simd, y * BRICK_EDGE_VX, z * BRICK_EDGE_VX, &mut cut);
+                let touched =
+                    touched.start.max(self.bricks.min.x)..touched.end.min(self.bricks.max.x);
+                if !touched.is_empty() {
+                    rows.push(CutRow { y, z, cut, reach: RowReach { touched, whole } });
                 }
-                edit.close_word();
+            }
+        }
+        for lent in leaves {
+            let key = LeafKey::of(lent.leaf);
+            let before = (!self.recorder.has_leaf(key)).then(|| lent.bits());
+            let mut edit = lent.edit(self.place, scratch);
+            for row in &*rows {
+                match self.bits.adds {
+                    true => self.add_row(simd, row, &mut edit, done),
+                    false => self.subtract_row(simd, row, &mut edit, &mut done.stats),
+                }
+            }
+            let changed = edit.finish();
+            if !changed.is_empty() {
+                done.stats.bricks_changed += u64::from(changed.count());
+                done.changed.push(ChangedLeaf { leaf: key, bricks: changed, before });
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn subtract_row<S: Simd>(
+        &self,
+        simd: S,
+        row: &CutRow<R>,
+        edit: &mut LeafEdit,
+        stats: &mut EditStats,
+    ) {
+        let (x, reach) = (edit.low().x, &row.reach);
+        let (occupied, _) = edit.row(row.y, row.z);
+        let whole = occupied & bits_of(&reach.whole, x);
+        stats.voxels_removed += edit.clear_in_row(row.y, row.z, whole);
+        let mut rest = occupied & bits_of(&reach.touched, x) & !whole;
+        while rest != 0 {
+            let i = rest.trailing_zeros();
+            rest &= rest - 1;
+            let b = UVec3::new(x + i, row.y, row.z);
+            let (old, count) = edit.brick(b);
+            let bits = old.and_not(&self.region.mask(simd, &row.cut, reach, b.x));
+            let left = bits.count();
+            if left != count {
+                edit.replace(b, count, &bits, left);
+                stats.voxels_removed += u64::from(count - left);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn add_row<S: Simd>(&self, simd: S, row: &CutRow<R>, edit: &mut LeafEdit, done: &mut Changed) {
+        let (x, reach) = (edit.low().x, &row.reach);
+        let (_, full) = edit.row(row.y, row.z);
+        let mut rest = !full & bits_of(&reach.touched, x);
+        let whole = bits_of(&reach.whole, x);
+        while rest != 0 {
+            let i = rest.trailing_zeros();
+            rest &= rest - 1;
+            let b = UVec3::new(x + i, row.y, row.z);
+            let (old, count) = edit.brick(b);
+            let mask = match whole >> i & 1 != 0 {
+                true => Brick::FULL,
+                false => self.region.mask(simd, &row.cut, reach, b.x),
+            };
+            let mask = mask.and(&edit.valid_mask(b));
+            let bits = old.or(&mask);
+            let now = bits.count();
+            if now != count {
+                if self.bits.paint {
+                    done.to_paint.push((b, mask.and_not(&old)));
+                }
+                edit.replace(b, count, &bits, now);
+                done.stats.voxels_added += u64::from(now - count);
+            }
+        }
+    }
+}
+
+/// A row of bricks along x, cut by a region.
+struct CutRow<R: Region> {
+    y: u32,
+    z: u32,
+    cut: R::Row,
+    reach: RowReach,
+}
+
+/// Returns the bricks of a range that lie in the leaf from brick `x` on: a bit each.
+#[inline(always)]
+fn bits_of(range: &Range<u32>, x: u32) -> u32 {
+    let below = |end: u32| (1u32 << end.saturating_sub(x).min(LEAF_EDGE)) - 1;
+    below(range.end) & !below(range.start)
+}
+
+/// Bricks of a row that a region covers alike.
+pub(super) enum RowPiece<'a, S: Simd, R: Region> {
+    /// `len` bricks along x from `first` on, all of them.
+    Whole { first: UVec3, len: u32 },
+    /// The part of one brick that the region, cut by the row, covers.
+    Part { simd: S, brick: UVec3, region: &'a R, cut: &'a R::Row, reach: &'a RowReach },
+}
+
+impl<S: Simd, R: Region> RowPiece<'_, S, R> {
+    /// Calls `f` with each brick.
+    #[inline(always)]
+    pub fn each(&self, mut f: impl FnMut(UVec3)) {
+        let (first, len) = match *self {
+            RowPiece::Whole { first, len } => (first, len),
+            RowPiece::Part { brick, .. } => (brick, 1),
+        };
+        for i in 0..len {
+            f(first + UVec3::X * i);
+        }
+    }
+
+    /// Returns the covered voxels of a brick.
+    #[inline(always)]
+    pub fn mask(&self, brick: UVec3) -> Brick {
+        match self {
+            RowPiece::Whole { .. } => Brick::FULL,
+            RowPiece::Part { simd, region, cut, reach, .. } => {
+                region.mask(*simd, cut, reach, brick.x)
             }
         }
     }
@@ -223,8 +472,8 @@ fn paint_band(
     brush: &Brush,
     first: u32,
     pages: &mut [Option<Page>],
-    record: &mut BandRecord,
-    pages_kept: &BrickSet,
+    record: &mut PageRecord,
+    pages_kept: &IndexSet,
     recolour: bool,
 ) -> usize {
     let mut made = 0;
@@ -235,10 +484,10 @@ fn paint_band(
             continue;
         }
         if !pages_kept.contains(index) {
-            record.earlier.keep_page(index, page.clone());
+            record.earlier.push((index, page.clone()));
         }
         made += usize::from(brush.paint(page, &differing));
-        record.pages_changed.push(BrickMask { word: index / 64, mask: 1 << (index % 64) });
+        record.changed.push(index);
         if recolour {
             record.stats.voxels_recoloured += u64::from(differing.count());
             record.stats.bricks_changed += 1;
@@ -356,7 +605,7 @@ mod tests {
             let mut contents = Contents::new(grid, material);
             let start = contents.clone();
             let (mut recorder, mut dirty) =
-                (StrokeRecorder::new(&contents.grid), BrickSet::new(contents.grid.brick_count()));
+                (StrokeRecorder::new(&contents.grid), BrickSet::default());
             let (a, b) = (IVec3::from(corners[0]), IVec3::from(corners[1]));
             let red = Rgb::new(255, 0, 0);
             for (i, seed) in seeds.into_iter().enumerate() {
@@ -389,5 +638,76 @@ mod tests {
             recorder.finish().swap(&mut contents, &mut dirty);
             prop_assert_eq!(contents, start);
         }
+
+        /// Boxes that cover whole leaves and nodes, in grids of several, and their record.
+        #[test]
+        fn boxes_change_whole_nodes_at_once(
+            dims in prop::array::uniform3(1u32..100),
+            long in 0usize..3,
+            edits in prop::collection::vec(
+                (prop::array::uniform2(prop::array::uniform3(-70i32..700)), 0u32..7, any::<bool>()),
+                1..8,
+            ),
+            strokes in 1usize..3,
+        ) {
+            let mut dims = UVec3::from(dims);
+            dims[long] *= 7;
+            let mut contents = Contents::of_bits(Grid::new(dims, Vec3::ONE, 1 << 30).unwrap());
+            let mut recorder = StrokeRecorder::new(&contents.grid);
+            let mut records = Vec::new();
+            for edits in edits.chunks(edits.len().div_ceil(strokes)) {
+                let start = contents.clone();
+                for (corners, aligned, adds) in edits {
+                    // To the voxel, or to cubes of up to 64 voxels.
+                    let [a, b] = corners.map(|v| IVec3::from(v) >> *aligned << *aligned);
+                    let region = VoxelBox { min: a.min(b), max: a.max(b) + (1 << aligned) };
+                    let before = contents.grid.clone();
+                    let op = if *adds { EditOp::Add(None) } else { EditOp::Subtract };
+                    let mut dirty = BrickSet::default();
+                    let stats = edit(&mut contents, &region, op, &mut recorder, &mut dirty);
+                    let (mut changed, mut voxels) = (0, [0; 2]);
+                    for (b, old) in before.bricks_from(0) {
+                        let mask = brick_in(&region, b).and(&before.valid_mask(b));
+                        let expected = if *adds { old.or(&mask) } else { old.and_not(&mask) };
+                        let new = contents.grid.brick(b);
+                        prop_assert_eq!(*new, expected);
+                        prop_assert_eq!(dirty.contains(b), expected != *old);
+                        changed += u64::from(expected != *old);
+                        voxels[0] += u64::from(new.and_not(old).count());
+                        voxels[1] += u64::from(old.and_not(new).count());
+                    }
+                    crate::sculpture::grid::tests::check(&contents.grid);
+                    prop_assert_eq!([stats.voxels_added, stats.voxels_removed], voxels);
+                    prop_assert_eq!((stats.bricks_changed, dirty.len() as u64), (changed, changed));
+                }
+                let taken = recorder.bytes();
+                let record = recorder.finish();
+                prop_assert_eq!(taken, record.heap_bytes());
+                records.push((start, record));
+            }
+            // Back and forth and back again.
+            let ended = contents.clone();
+            let mut dirty = BrickSet::default();
+            let mut forth = Vec::new();
+            for (start, record) in records.into_iter().rev() {
+                forth.push(record.swap(&mut contents, &mut dirty));
+                crate::sculpture::grid::tests::check(&contents.grid);
+                prop_assert_eq!(&contents, &start);
+            }
+            for record in forth.into_iter().rev() {
+                record.swap(&mut contents, &mut dirty);
+            }
+            prop_assert_eq!(contents, ended);
+        }
+    }
+
+    /// Returns the voxels of a box in a brick, one by one.
+    fn brick_in(region: &VoxelBox, b: UVec3) -> Brick {
+        let mut brick = Brick::EMPTY;
+        for [x, y, z] in (0..512).map(local_coords) {
+            let v = (b * BRICK_EDGE_VX + UVec3::new(x, y, z)).as_ivec3();
+            brick.set(x, y, z, region.contains(v));
+        }
+        brick
     }
 }

@@ -1,28 +1,41 @@
 //! The existence bits of one sculpture, in bricks of 8^3 voxels.
 //!
-//! How bricks are stored is private to [`crate::sculpture`]. All other code asks for a brick by its coordinates or
-//! index, visits the non-empty ones, copies rows of bricks along x, or looks up words of 4^3 voxels (`read.rs`,
-//! `word_reader.rs`); writers replace whole bricks. A table of chunks could serve all of these as well as the present
-//! dense array.
+//! Bricks lie under a tree of nodes of 8^3 children each (`node.rs`). Uniform cubes take no memory, whatever their size,
+//! and a copy of a grid shares all nodes until one of the two changes. How bricks are stored is private to
+//! [`crate::sculpture`]. All other code asks for a brick by its coordinates or index, visits the non-empty ones, copies
+//! rows of bricks along x, or looks up words of 4^3 voxels (`read.rs`, `word_reader.rs`); writers replace whole bricks,
+//! or edit leaves of 8^3 bricks (`lend.rs`, `leaf_edit.rs`).
 //!
-//! Invariants: bits beyond `dims` are 0; voxel counts and occupancy always match the bits. Knows no
-//! colour, no history, no tool.
+//! Invariants: bits beyond `dims` are 0; voxel counts and kinds always match the bits. Knows no colour, no history, no
+//! tool.
+
+use std::sync::Arc;
 
 use glam::{IVec3, UVec3, Vec3};
 use thiserror::Error;
 
+use self::extent::Extent;
+use self::lend::{close, open, slot_in};
+use self::node::{NODE_EDGE_LOG2, Slot, TreeNode};
 use super::brick::{BRICK_EDGE_VX, Brick};
-use super::memory::filled;
+pub(in crate::sculpture) use super::brick_set::LeafKey;
 use crate::refusal::{InvalidValue, MemoryBudget, OverBudget};
 
-mod band;
+mod build;
+mod extent;
+mod leaf_edit;
+mod lend;
+mod node;
 mod read;
 mod walls;
 mod word_reader;
-mod words;
 
-pub(in crate::sculpture) use band::GridBand;
-pub(in crate::sculpture) use words::{WordKinds, count_mixed, swap_word};
+pub(crate) use build::BrickRun;
+pub(in crate::sculpture) use leaf_edit::LeafEdit;
+use leaf_edit::row_of;
+pub(in crate::sculpture) use lend::{
+    ChangedLeaf, Cube, CubeEdit, LeafPlace, Lent, LentLeaf, OldLeaf,
+};
 
 pub use walls::voxels_at_walls;
 pub use word_reader::WordReader;
@@ -91,23 +104,29 @@ pub enum GridError {
     Invalid(#[from] InvalidValue),
 }
 
-/// Existence bits in bricks of 8^3, x fastest, then y, then z.
-#[derive(Clone, PartialEq, Debug)]
+/// Existence bits in bricks of 8^3.
+#[derive(Clone, Debug)]
 pub struct Grid {
-    dims: UVec3,
-    brick_dims: UVec3,
+    extent: Extent,
     voxel_size: Vec3,
-    bricks: Vec<Brick>,
-    counts: Vec<u16>,
-    /// A bit is set if and only if the brick is not empty. A word covers a block of 4^3 bricks, ordered as in a brick
-    /// word.
-    occupancy: Vec<u64>,
-    occupancy_dims: UVec3,
-    opaque: u64,
+    /// The node that spans the grid, at least of level 2, and its level.
+    root: Arc<TreeNode>,
+    levels: u32,
+    /// The bits of full bricks that the upper border cuts: on the axes of the set bits of an index. `None` if it cuts
+    /// none.
+    cut: Option<Arc<[Brick; 8]>>,
+}
+
+impl PartialEq for Grid {
+    fn eq(&self, other: &Grid) -> bool {
+        self.extent == other.extent
+            && self.voxel_size == other.voxel_size
+            && (Arc::ptr_eq(&self.root, &other.root) || self.root == other.root)
+    }
 }
 
 impl Grid {
-    /// Returns the bytes that a grid of `dims` voxels takes, without colour.
+    /// Returns the most bytes that a grid of `dims` voxels can take, without colour.
     pub fn bytes_for(dims: UVec3) -> u64 {
         let bricks = brick_dims(dims);
         let blocks = occupancy_dims(bricks);
@@ -145,71 +164,47 @@ impl Grid {
     /// Returns an empty grid of `dims` voxels with edges of `voxel_size`, within `budget_bytes`.
     pub fn new(dims: UVec3, voxel_size: Vec3, budget_bytes: u64) -> Result<Grid, GridError> {
         Self::check(dims, voxel_size, budget_bytes)?;
-        Self::allocated(dims, voxel_size)
+        Ok(Self::empty(dims, voxel_size))
     }
 
     /// Returns an empty grid of the cells between the centres of this grid's voxels and beyond its border, within
     /// `budget_bytes`: one longer on each axis, even where a sculpture may not be that long.
     pub(crate) fn of_cells(&self, budget_bytes: u64) -> Result<Grid, GridError> {
-        let dims = self.dims + 1;
+        let dims = self.extent.dims + 1;
         Self::check_memory(dims, budget_bytes)?;
-        Self::allocated(dims, self.voxel_size)
+        Ok(Self::empty(dims, self.voxel_size))
     }
 
     /// Returns an empty grid of the same size.
     pub fn emptied(&self) -> Grid {
-        Grid {
-            bricks: vec![Brick::EMPTY; self.bricks.len()],
-            counts: vec![0; self.counts.len()],
-            occupancy: vec![0; self.occupancy.len()],
-            opaque: 0,
-            ..*self
-        }
+        Grid { root: empty_root(), cut: self.cut.clone(), ..*self }
     }
 
-    /// Performs [`Grid::emptied`], unless the system lacks the memory for it.
-    pub(crate) fn try_emptied(&self) -> Result<Grid, GridError> {
-        Self::allocated(self.dims, self.voxel_size)
-    }
-
-    /// Returns a copy, unless the system lacks the memory for it.
-    pub fn copied(&self) -> Result<Grid, GridError> {
-        let mut copy = self.try_emptied()?;
-        copy.bricks.copy_from_slice(&self.bricks);
-        copy.counts.copy_from_slice(&self.counts);
-        copy.occupancy.copy_from_slice(&self.occupancy);
-        copy.opaque = self.opaque;
-        Ok(copy)
-    }
-
-    fn allocated(dims: UVec3, voxel_size: Vec3) -> Result<Grid, GridError> {
-        let brick_dims = brick_dims(dims);
-        let occupancy_dims = occupancy_dims(brick_dims);
-        let brick_count = product(brick_dims) as usize;
-        let no_memory =
-            |_| GridError::NoMemory { dims, needed_mib: Self::bytes_for(dims).div_ceil(1 << 20) };
-        Ok(Grid {
-            dims,
-            brick_dims,
-            voxel_size,
-            bricks: filled(Brick::EMPTY, brick_count).map_err(no_memory)?,
-            counts: filled(0, brick_count).map_err(no_memory)?,
-            occupancy: filled(0, product(occupancy_dims) as usize).map_err(no_memory)?,
-            occupancy_dims,
-            opaque: 0,
-        })
+    fn empty(dims: UVec3, voxel_size: Vec3) -> Grid {
+        let extent = Extent::new(dims);
+        let edge = extent.bricks.max_element();
+        let levels = (2..).find(|&level| edge <= 1 << (NODE_EDGE_LOG2 * level)).unwrap_or(2);
+        let last = extent.bricks - 1;
+        let is_cut = !extent.holds_brick(last);
+        let cut = is_cut.then(|| {
+            Arc::new(std::array::from_fn(|axes| {
+                let cut_axis = UVec3::splat(axes as u32) >> UVec3::new(0, 1, 2) & 1;
+                valid_mask(dims, last * cut_axis)
+            }))
+        });
+        Grid { extent, voxel_size, root: empty_root(), levels, cut }
     }
 
     /// Returns the size in voxels.
     #[inline]
     pub fn dims(&self) -> UVec3 {
-        self.dims
+        self.extent.dims
     }
 
     /// Returns the size in bricks.
     #[inline]
     pub fn brick_dims(&self) -> UVec3 {
-        self.brick_dims
+        self.extent.bricks
     }
 
     /// Returns the edge lengths of a voxel in world units.
@@ -221,44 +216,44 @@ impl Grid {
     /// Returns the number of existing voxels.
     #[inline]
     pub fn opaque_count(&self) -> u64 {
-        self.opaque
+        self.root.voxels
     }
 
-    /// Returns the heap bytes in use.
+    /// Returns the heap bytes in use, those shared with other grids included.
     pub fn heap_bytes(&self) -> u64 {
-        (self.bricks.capacity() * size_of::<Brick>()
-            + self.counts.capacity() * size_of::<u16>()
-            + self.occupancy.capacity() * size_of::<u64>()) as u64
+        let cut =
+            if self.cut.is_some() { size_of::<[Brick; 8]>() + align_of::<Brick>() } else { 0 };
+        self.root.heap_bytes() + cut as u64
     }
 
     /// Returns the linear index of the brick at brick coordinates `b` (must be inside).
     #[inline(always)]
     pub fn brick_index(&self, b: UVec3) -> usize {
-        (b.x + self.brick_dims.x * (b.y + self.brick_dims.y * b.z)) as usize
+        (b.x + self.extent.bricks.x * (b.y + self.extent.bricks.y * b.z)) as usize
     }
 
     /// Returns the brick coordinates of a linear brick index.
     #[inline]
     pub fn brick_coords(&self, index: usize) -> UVec3 {
-        unflatten(index as u32, self.brick_dims)
+        unflatten(index as u32, self.extent.bricks)
     }
 
     /// Returns the linear voxel index `x + y*dX + z*dX*dY`, as index maps use it.
     #[inline(always)]
     pub fn voxel_index(&self, v: UVec3) -> u32 {
-        v.x + self.dims.x * (v.y + self.dims.y * v.z)
+        v.x + self.extent.dims.x * (v.y + self.extent.dims.y * v.z)
     }
 
     /// Performs the inverse of [`Grid::voxel_index`].
     #[inline]
     pub fn voxel_coords(&self, index: u32) -> UVec3 {
-        unflatten(index, self.dims)
+        unflatten(index, self.extent.dims)
     }
 
     /// Returns whether `v` lies inside the grid.
     #[inline]
     pub fn contains(&self, v: IVec3) -> bool {
-        v.cmpge(IVec3::ZERO).all() && v.as_uvec3().cmplt(self.dims).all()
+        v.cmpge(IVec3::ZERO).all() && v.as_uvec3().cmplt(self.extent.dims).all()
     }
 
     /// Returns whether the voxel at `v` exists; false outside the grid.
@@ -266,7 +261,7 @@ impl Grid {
     pub fn get(&self, v: IVec3) -> bool {
         self.contains(v) && {
             let v = v.as_uvec3();
-            self.bricks[self.brick_index(v / BRICK_EDGE_VX)].get(v.x & 7, v.y & 7, v.z & 7)
+            self.brick(v / BRICK_EDGE_VX).get(v.x & 7, v.y & 7, v.z & 7)
         }
     }
 
@@ -276,83 +271,76 @@ impl Grid {
             return;
         }
         let v = v.as_uvec3();
-        let index = self.brick_index(v / BRICK_EDGE_VX);
-        let mut brick = self.bricks[index];
+        let b = v / BRICK_EDGE_VX;
+        let mut brick = *self.brick(b);
         brick.set(v.x & 7, v.y & 7, v.z & 7, exists);
-        self.set_brick(index, brick);
+        self.put_brick(b, &brick);
     }
 
     /// Returns the bits that the brick at `b` may hold: all but those beyond the grid's border.
     #[inline]
     pub fn valid_mask(&self, b: UVec3) -> Brick {
-        valid_mask(self.dims, b)
-    }
-
-    /// Replaces a brick and updates count and occupancy. The bits must lie within
-    /// [`Grid::valid_mask`].
-    #[inline(always)]
-    pub fn set_brick(&mut self, index: usize, brick: Brick) {
-        let count = brick.count();
-        let before = std::mem::replace(&mut self.counts[index], count);
-        self.opaque = self.opaque + u64::from(count) - u64::from(before);
-        self.bricks[index] = brick;
-        if (before == 0) != (count == 0) {
-            let (word, bit) = self.occupancy_place(self.brick_coords(index));
-            self.occupancy[word] ^= 1 << bit;
-        }
+        valid_mask(self.extent.dims, b)
     }
 
     /// Sets every brick to the value of `f` for its coordinates (cut to the valid bits), in parallel. For loaders and
     /// generators.
     pub fn fill_bricks(&mut self, f: impl Fn(UVec3) -> Brick + Sync) {
         // Calls through a pointer once per brick: the parallel loop is compiled once, not per `f`.
-        self.fill_bricks_by(&f);
+        self.root = build::tree_of_bricks(self.extent, self.levels, &f);
     }
 
-    fn fill_bricks_by(&mut self, f: &(dyn Fn(UVec3) -> Brick + Sync)) {
-        use rayon::prelude::*;
-        let brick_dims = self.brick_dims;
-        let dims = self.dims;
-        let per_slab = (brick_dims.x * brick_dims.y) as usize;
-        self.bricks
-            .par_chunks_mut(per_slab)
-            .zip(self.counts.par_chunks_mut(per_slab))
-            .enumerate()
-            .for_each(|(bz, (bricks, counts))| {
-                for (i, (brick, count)) in bricks.iter_mut().zip(counts).enumerate() {
-                    let i = i as u32;
-                    let b = UVec3::new(i % brick_dims.x, i / brick_dims.x, bz as u32);
-                    *brick = f(b).and(&valid_mask(dims, b));
-                    *count = brick.count();
-                }
-            });
-        self.recount();
+    /// Lets `f` write all bricks, in runs of `run` in linear order, on all threads. `f` gets the linear index of a
+    /// run's first brick and the run, to which it must add its bricks. Returns the values of `f` in order, or one of its
+    /// errors.
+    pub(crate) fn try_fill_runs<T: Send, E: Send>(
+        &mut self,
+        run: usize,
+        f: impl Fn(usize, &mut BrickRun) -> Result<T, E> + Sync,
+    ) -> Result<Vec<T>, E> {
+        let (root, values) = build::tree_of_runs(self.extent, self.levels, run, f)?;
+        self.root = root;
+        Ok(values)
     }
 
-    /// Rebuilds the occupancy and the total from the counts.
-    fn recount(&mut self) {
-        self.opaque = self.counts.iter().map(|&c| u64::from(c)).sum();
-        self.occupancy.fill(0);
-        let rows = self.counts.chunks(self.brick_dims.x as usize);
-        for (row, counts) in (0..).zip(rows) {
-            let first = UVec3::new(0, row % self.brick_dims.y, row / self.brick_dims.y);
-            let (word, bit) = self.occupancy_place(first);
-            let words = &mut self.occupancy[word..word + self.occupancy_dims.x as usize];
-            for (word, counts) in words.iter_mut().zip(counts.chunks(4)) {
-                for (x, &count) in counts.iter().enumerate() {
-                    *word |= u64::from(count != 0) << (bit + x as u32);
-                }
-            }
+    /// Replaces the brick of a linear brick index. The bits must lie within [`Grid::valid_mask`].
+    pub fn set_brick(&mut self, index: usize, brick: Brick) {
+        self.put_brick(self.brick_coords(index), &brick);
+    }
+
+    /// Replaces the brick at brick coordinates `b`. The bits must lie within [`Grid::valid_mask`].
+    pub(crate) fn put_brick(&mut self, b: UVec3, brick: &Brick) {
+        let before = self.brick(b);
+        let change = i64::from(brick.count()) - i64::from(before.count());
+        if before != brick {
+            put_brick(&mut self.root, self.levels, b, brick, change, &self.extent);
         }
     }
+}
 
-    /// Returns the index of the occupancy word of the brick at `b`, and its bit in that word.
-    #[inline(always)]
-    fn occupancy_place(&self, b: UVec3) -> (usize, u32) {
-        let block: UVec3 = b / 4;
-        let word = block.x + self.occupancy_dims.x * (block.y + self.occupancy_dims.y * block.z);
-        (word as usize, (b.x & 3) | (b.y & 3) << 2 | (b.z & 3) << 4)
+/// Replaces a brick in a tree of `level` levels by a different one, of `change` more voxels.
+fn put_brick(
+    node: &mut Arc<TreeNode>,
+    level: u32,
+    b: UVec3,
+    brick: &Brick,
+    change: i64,
+    extent: &Extent,
+) {
+    let node = Arc::make_mut(node);
+    if level == 1 {
+        node.put_brick(Slot::of(b), brick, &valid_mask(extent.dims, b));
+    } else {
+        let slot = slot_in(b, level);
+        let child = open(node, slot, b, level, extent);
+        put_brick(child, level - 1, b, brick, change, extent);
+        close(node, slot, b, level, extent);
     }
+    node.voxels = node.voxels.wrapping_add_signed(change);
+}
+
+fn empty_root() -> Arc<TreeNode> {
+    Arc::new(TreeNode::uniform(Brick::EMPTY, 0))
 }
 
 /// Returns the bits that a brick may have in a grid of `dims` voxels.
@@ -383,21 +371,31 @@ pub(crate) fn unflatten(index: u32, dims: UVec3) -> UVec3 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use proptest::prelude::*;
 
     const ROOM: u64 = 1 << 32;
+
+    /// Checks that the tree is canonical, packed and counted.
+    pub(crate) fn check(grid: &Grid) {
+        node::tests::check(&grid.root, UVec3::ZERO, grid.levels, &grid.extent);
+    }
 
     fn small_grid(dims: UVec3) -> Grid {
         Grid::new(dims, Vec3::ONE, ROOM).unwrap()
     }
 
     #[test]
-    fn a_512_cube_takes_at_most_18_mib() {
-        let grid = small_grid(UVec3::splat(512));
-        assert!(grid.heap_bytes() <= 18 << 20, "{} bytes", grid.heap_bytes());
-        assert_eq!(grid.heap_bytes(), Grid::bytes_for(grid.dims()));
+    fn uniform_grids_take_next_to_nothing_whatever_their_size() {
+        for edge in [1, 64, 511, 1024, 1625] {
+            let mut grid = small_grid(UVec3::splat(edge));
+            assert!(grid.heap_bytes() <= 1024, "{} bytes", grid.heap_bytes());
+            grid.fill_bricks(|_| Brick::FULL);
+            assert!(grid.heap_bytes() <= 1024, "{} bytes", grid.heap_bytes());
+            assert_eq!(grid.opaque_count(), u64::from(edge).pow(3));
+            check(&grid);
+        }
     }
 
     #[test]
@@ -461,10 +459,9 @@ mod tests {
                 if grid.contains(v) { if on { naive.insert(v); } else { naive.remove(&v); } }
             }
             prop_assert_eq!(grid.opaque_count(), naive.len() as u64);
-            for (index, brick) in grid.bricks.iter().enumerate() {
-                prop_assert_eq!(grid.counts[index], brick.count());
-                let (word, bit) = grid.occupancy_place(grid.brick_coords(index));
-                prop_assert_eq!(grid.occupancy[word] >> bit & 1 != 0, !brick.is_empty());
+            check(&grid);
+            for index in 0..grid.brick_count() {
+                let brick = grid.brick_at(index);
                 prop_assert_eq!(brick.and_not(&grid.valid_mask(grid.brick_coords(index))), Brick::EMPTY);
             }
             let low = naive.iter().copied().reduce(IVec3::min);

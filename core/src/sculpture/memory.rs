@@ -19,6 +19,15 @@ impl NoMemory {
     }
 }
 
+/// Returns an error unless the system provides so many bytes now. They are not kept.
+pub fn probe(bytes: usize) -> Result<(), TryReserveError> {
+    let mut room = Vec::<u8>::new();
+    room.try_reserve_exact(bytes)?;
+    // Otherwise the allocation could be optimised away.
+    std::hint::black_box(&room);
+    Ok(())
+}
+
 /// Returns a list of `count` equal values.
 pub fn filled<T: Clone>(value: T, count: usize) -> Result<Vec<T>, TryReserveError> {
     let mut list = Vec::new();

@@ -8,14 +8,14 @@ use fearless_simd::{Level, dispatch};
 use glam::UVec3;
 
 use super::brick::{BRICK_EDGE_VX, BRICK_VOXELS, Brick, BrickKind, local_coords};
-use super::brick_set::{BrickMask, BrickSet};
+use super::brick_set::BrickSet;
 use super::colour::{ColourDepth, Rgb};
 use super::contents::Contents;
 use super::edit::BrickRow;
 use super::edit_stats::EditStats;
 use super::material::{Brush, Page};
 use super::region::{BrickBox, Region};
-use super::stroke::{BandRecord, StrokeBands, StrokeRecorder};
+use super::stroke::{ColourBands, PageRecord, StrokeRecorder};
 
 /// Regions of fewer bricks than this stay on one thread: waking others would cost more than it gains.
 const PARALLEL_BRICKS: u64 = 256;
@@ -36,9 +36,9 @@ pub fn paint_each(
     };
     let palette = PageFormat { depth, base, blank: material.brush(base) };
     let parallel = bricks.brick_count() >= PARALLEL_BRICKS;
-    let StrokeBands { bands, pages_kept, .. } = recorder.recording();
-    let per_band = grid.bricks_per_band();
-    let touched = grid.bands_of(bricks.min.z..bricks.max.z);
+    let (bands, pages_kept) = recorder.pages();
+    let per_band = ColourBands::of(grid).bricks;
+    let touched = ColourBands::of_slabs(bricks.min.z..bricks.max.z);
     let per_slab = grid.brick_dims().x * grid.brick_dims().y;
     let level = Level::new();
     material.edit_bands(per_band, touched, parallel, bands, &|first, pages, record| {
@@ -81,7 +81,7 @@ pub fn paint_each(
         }
         made
     });
-    recorder.close_edit(dirty)
+    recorder.close_edit(grid, Vec::new(), EditStats::default(), dirty)
 }
 
 /// How colours are stored on a page.
@@ -108,7 +108,7 @@ impl PageFormat {
         BrickPage { index, page, kept }: BrickPage,
         mask: &Brick,
         colour: impl Fn(u32, Rgb) -> Rgb,
-        record: &mut BandRecord,
+        record: &mut PageRecord,
     ) -> usize {
         let bytes = self.depth.bytes();
         let mut colours = [Rgb::new(0, 0, 0); BRICK_VOXELS as usize];
@@ -126,9 +126,9 @@ impl PageFormat {
             return 0;
         }
         if !kept {
-            record.earlier.keep_page(index, page.clone());
+            record.earlier.push((index, page.clone()));
         }
-        record.pages_changed.push(BrickMask { word: index / 64, mask: 1 << (index % 64) });
+        record.changed.push(index);
         record.stats.voxels_recoloured += u64::from(differing.count());
         record.stats.bricks_changed += 1;
         let made = usize::from(self.blank.paint(page, &Brick::EMPTY));
@@ -175,7 +175,7 @@ mod tests {
             let mut contents = Contents::new(grid, material);
             let start = contents.clone();
             let mut recorder = StrokeRecorder::new(&contents.grid);
-            let mut dirty = BrickSet::new(contents.grid.brick_count());
+            let mut dirty = BrickSet::default();
             let min = IVec3::from(from);
             let region = VoxelBox { min, max: min + IVec3::from(size) };
             // Twice, so that the second time finds pages.

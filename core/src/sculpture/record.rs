@@ -1,25 +1,29 @@
 //! The record of an undo step: the earlier bits and colours of some bricks.
 //!
-//! Empty and full bricks take one bit each, in words of 64 bricks: clearing a full 512^3 grid leaves a
-//! record of 64 KiB. Knows no document and no budget.
+//! Bricks are named by leaf and word of 64 bricks. Empty and full bricks take one bit each, and leaves that were empty or
+//! full as a whole 8 bytes: clearing a full 512^3 grid leaves a record of 4 KiB. Knows no document and no budget.
 
 use std::collections::TryReserveError;
+use std::iter::Sum;
+use std::ops::{AddAssign, SubAssign};
 
-use super::brick::{BRICK_VOXELS, Brick};
-use super::brick_set::{BrickMask, BrickSet};
+use glam::UVec3;
+
+use super::brick::{Brick, local_index};
+use super::brick_set::{BrickSet, LeafKey};
 use super::contents::Contents;
-use super::grid::{Grid, WordKinds, count_mixed, swap_word};
+use super::grid::{Grid, OldLeaf};
 use super::material::{Page, copied_page};
 use super::memory;
-use super::vectors::vectorised;
 
 /// Earlier values of some bricks, each at most once.
 #[derive(Clone, PartialEq, Default, Debug)]
 pub struct BrickRecord {
-    empty: Vec<BrickMask>,
-    full: Vec<BrickMask>,
-    mixed: Vec<BrickMask>,
-    /// The bits of the bricks that `mixed` names, in its order.
+    /// The leaves of 512 bricks all of which were empty or all full.
+    uniform: Vec<UniformLeaf>,
+    /// All other recorded bricks.
+    words: Vec<WordRecord>,
+    /// The bits of the mixed bricks, in the order of `words` and their bits.
     mixed_bits: Vec<Brick>,
     pages: Vec<(u32, Option<Page>)>,
     page_bytes: usize,
@@ -27,21 +31,152 @@ pub struct BrickRecord {
     mask: Option<Box<BrickRecord>>,
 }
 
-impl BrickRecord {
-    /// Keeps the bits of a brick that is neither empty nor full. Bricks of one word come in ascending order, and are
-    /// named by the next [`BrickRecord::keep_word`].
-    #[inline(always)]
-    pub fn keep_mixed(&mut self, bits: &Brick) {
-        self.mixed_bits.push(*bits);
+/// The earlier kinds of bricks of one word of a leaf's masks: a bit per brick. Those in neither mask were empty.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct WordRecord {
+    /// The leaf, and the index of the word in its masks.
+    pub leaf: LeafKey,
+    /// Index of the word, 0..8.
+    pub word: u8,
+    /// The recorded bricks; not 0.
+    pub bricks: u64,
+    /// Those of them that were full, and those that were mixed.
+    pub full: u64,
+    /// See `full`.
+    pub mixed: u64,
+}
+
+/// A leaf all 512 bricks of which were empty, or full.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+struct UniformLeaf {
+    leaf: LeafKey,
+    was_full: bool,
+}
+
+impl UniformLeaf {
+    /// Returns its words.
+    fn words(self) -> impl Iterator<Item = WordRecord> {
+        let full = if self.was_full { u64::MAX } else { 0 };
+        (0..8).map(move |word| WordRecord {
+            leaf: self.leaf,
+            word,
+            bricks: u64::MAX,
+            full,
+            mixed: 0,
+        })
+    }
+}
+
+/// What a record takes: numbers of uniform leaves, words and mixed bricks.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub(super) struct RecordSize {
+    uniform: usize,
+    words: usize,
+    mixed: usize,
+}
+
+impl RecordSize {
+    /// Returns the size of the record of bricks of a leaf.
+    pub fn of_leaf(leaf: &OldLeaf, bricks: &Brick) -> RecordSize {
+        match leaf.is_uniform() && bricks.is_full() {
+            true => RecordSize { uniform: 1, ..RecordSize::default() },
+            false => {
+                RecordSize { uniform: 0, words: used_words(bricks), mixed: leaf.mixed(bricks) }
+            }
+        }
     }
 
-    /// Names the kept bricks of a word. The bits of the mixed ones have been given to [`BrickRecord::keep_mixed`].
+    /// Returns the bytes that it takes.
+    pub fn bytes(self) -> usize {
+        self.uniform * size_of::<UniformLeaf>()
+            + self.words * size_of::<WordRecord>()
+            + self.mixed * size_of::<Brick>()
+    }
+}
+
+impl AddAssign for RecordSize {
+    fn add_assign(&mut self, other: RecordSize) {
+        self.uniform += other.uniform;
+        self.words += other.words;
+        self.mixed += other.mixed;
+    }
+}
+
+impl SubAssign for RecordSize {
+    fn sub_assign(&mut self, other: RecordSize) {
+        self.uniform -= other.uniform;
+        self.words -= other.words;
+        self.mixed -= other.mixed;
+    }
+}
+
+impl Sum for RecordSize {
+    fn sum<I: Iterator<Item = RecordSize>>(sizes: I) -> RecordSize {
+        sizes.fold(RecordSize::default(), |mut sum, size| {
+            sum += size;
+            sum
+        })
+    }
+}
+
+impl BrickRecord {
+    /// Records the bits of bricks of leaves, which rise by key.
+    pub(super) fn of_leaves(leaves: &[(LeafKey, (OldLeaf, Brick))]) -> BrickRecord {
+        let sizes = leaves.iter().map(|(_, (leaf, bricks))| RecordSize::of_leaf(leaf, bricks));
+        let RecordSize { uniform, words, mixed } = sizes.sum();
+        let mut record = BrickRecord {
+            uniform: Vec::with_capacity(uniform),
+            words: Vec::with_capacity(words),
+            mixed_bits: Vec::with_capacity(mixed),
+            ..BrickRecord::default()
+        };
+        for (key, (leaf, bricks)) in leaves {
+            let bits = &mut record.mixed_bits;
+            let kinds = leaf.kinds(*bricks, |brick| bits.push(*brick));
+            record.keep_words(*key, bricks, kinds);
+        }
+        record
+    }
+
+    /// Returns a record of the bits of listed bricks, each listed once. `valid`: the bits that a brick may hold.
+    pub(crate) fn of_bricks(
+        mut bricks: Vec<(UVec3, Brick)>,
+        valid: impl Fn(UVec3) -> Brick,
+    ) -> BrickRecord {
+        let place = |b: UVec3| {
+            let index = local_index(b.x & 7, b.y & 7, b.z & 7);
+            (LeafKey::of(b >> 3), (index >> 6) as u8, index & 63)
+        };
+        bricks.sort_unstable_by_key(|(b, _)| place(*b));
+        let (mut words, mut mixed_bits): (Vec<WordRecord>, _) = (Vec::new(), Vec::new());
+        for (b, brick) in bricks {
+            let (leaf, word, bit) = place(b);
+            if words.last().is_none_or(|last| (last.leaf, last.word) != (leaf, word)) {
+                words.push(WordRecord { leaf, word, bricks: 0, full: 0, mixed: 0 });
+            }
+            let Some(named) = words.last_mut() else { continue };
+            named.bricks |= 1 << bit;
+            if brick == valid(b) {
+                named.full |= 1 << bit;
+            } else if !brick.is_empty() {
+                named.mixed |= 1 << bit;
+                mixed_bits.push(brick);
+            }
+        }
+        BrickRecord::from_parts(words, mixed_bits, Vec::new())
+    }
+
+    /// Names the recorded bricks of a leaf; the bits of the mixed ones have been kept.
     #[inline(always)]
-    pub fn keep_word(&mut self, word: u32, kept: WordKinds) {
-        let lists = [&mut self.empty, &mut self.full, &mut self.mixed];
-        for (list, mask) in lists.into_iter().zip([kept.empty, kept.full, kept.mixed]) {
-            if mask != 0 {
-                list.push(BrickMask { word, mask });
+    fn keep_words(&mut self, leaf: LeafKey, bricks: &Brick, [empty, full, mixed]: [Brick; 3]) {
+        if empty.is_full() || full.is_full() {
+            self.uniform.push(UniformLeaf { leaf, was_full: full.is_full() });
+            return;
+        }
+        for (word, &named) in bricks.words.iter().enumerate() {
+            if named != 0 {
+                let (full, mixed) = (full.words[word], mixed.words[word]);
+                self.words.push(WordRecord { leaf, word: word as u8, bricks: named, full, mixed });
             }
         }
     }
@@ -52,12 +187,38 @@ impl BrickRecord {
         self.pages.push((index, page));
     }
 
-    /// Returns the bricks that were empty, full and mixed.
-    pub fn kinds(&self) -> [&[BrickMask]; 3] {
-        [&self.empty, &self.full, &self.mixed]
+    /// Returns the number of words that [`BrickRecord::words`] returns.
+    pub fn word_count(&self) -> usize {
+        self.uniform.len() * 8 + self.words.len()
     }
 
-    /// Returns the bits of the mixed bricks, in the order in which [`BrickRecord::kinds`] names them.
+    /// Returns the recorded bricks by word, rising by leaf and word.
+    pub fn words(&self) -> impl Iterator<Item = WordRecord> {
+        let (mut words, mut uniform) = (&*self.words, &*self.uniform);
+        let mut expanded = None;
+        std::iter::from_fn(move || {
+            loop {
+                if let Some(word) = expanded.as_mut().and_then(Iterator::next) {
+                    return Some(word);
+                }
+                match (words.split_first(), uniform.split_first()) {
+                    (Some((word, rest)), next)
+                        if next.is_none_or(|(next, _)| word.leaf < next.leaf) =>
+                    {
+                        words = rest;
+                        return Some(*word);
+                    }
+                    (_, next) => {
+                        let (leaf, rest) = next?;
+                        uniform = rest;
+                        expanded = Some(leaf.words());
+                    }
+                }
+            }
+        })
+    }
+
+    /// Returns the bits of the mixed bricks, in the order in which [`BrickRecord::words`] names them.
     pub fn mixed_bits(&self) -> &[Brick] {
         &self.mixed_bits
     }
@@ -65,6 +226,18 @@ impl BrickRecord {
     /// Returns the kept colour pages with the linear indices of their bricks; `None` for a brick without a page.
     pub fn pages(&self) -> &[(u32, Option<Page>)] {
         &self.pages
+    }
+
+    /// Adds kept pages to a record without any.
+    pub(crate) fn with_pages(self, pages: Vec<(u32, Option<Page>)>) -> BrickRecord {
+        let page_bytes = bytes_of_pages(&pages);
+        BrickRecord { pages, page_bytes, ..self }
+    }
+
+    /// Takes the kept pages out of the record.
+    pub(super) fn take_pages(&mut self) -> Vec<(u32, Option<Page>)> {
+        self.page_bytes = 0;
+        std::mem::take(&mut self.pages)
     }
 
     /// Returns the earlier bits of bricks of the mask, if any.
@@ -82,86 +255,79 @@ impl BrickRecord {
         BrickRecord { mask: (!mask.is_empty()).then(|| Box::new(mask)), ..self }
     }
 
-    /// Returns a record of the values of [`BrickRecord::kinds`], [`BrickRecord::mixed_bits`] and
-    /// [`BrickRecord::pages`]. There must be bits for each mixed brick, and each brick may be named only once.
+    /// Returns a record of the values of [`BrickRecord::words`], [`BrickRecord::mixed_bits`] and
+    /// [`BrickRecord::pages`]. The words must rise, each brick may be named only once, and there must be bits for each
+    /// mixed brick.
     pub(crate) fn from_parts(
-        [empty, full, mixed]: [Vec<BrickMask>; 3],
+        mut words: Vec<WordRecord>,
         mixed_bits: Vec<Brick>,
         pages: Vec<(u32, Option<Page>)>,
     ) -> BrickRecord {
-        let page_bytes = pages.iter().flat_map(|(_, page)| page).map(|page| page.len()).sum();
-        BrickRecord { empty, full, mixed, mixed_bits, pages, page_bytes, mask: None }
+        let is_uniform = |leaf: &[WordRecord]| {
+            let [first, ..] = leaf else { return false };
+            let same = |word: &WordRecord| word.bricks == u64::MAX && word.full == first.full;
+            leaf.len() == 8
+                && leaf.iter().all(same)
+                && matches!(first.full, 0 | u64::MAX)
+                && leaf.iter().all(|word| word.mixed == 0)
+        };
+        let leaves = words.chunk_by(|a, b| a.leaf == b.leaf).filter(|leaf| is_uniform(leaf));
+        let uniform: Vec<UniformLeaf> = leaves
+            .map(|words| UniformLeaf { leaf: words[0].leaf, was_full: words[0].full != 0 })
+            .collect();
+        words.retain(|word| uniform.binary_search_by_key(&word.leaf, |leaf| leaf.leaf).is_err());
+        let page_bytes = bytes_of_pages(&pages);
+        let mut record = BrickRecord { uniform, words, mixed_bits, pages, page_bytes, mask: None };
+        record.shrink_to_fit();
+        record
     }
 
     /// Returns whether no earlier value is kept.
     pub fn is_empty(&self) -> bool {
-        self.empty.is_empty()
-            && self.full.is_empty()
-            && self.mixed.is_empty()
+        self.uniform.is_empty()
+            && self.words.is_empty()
             && self.pages.is_empty()
             && self.mask.is_none()
     }
 
+    /// Returns the bytes that a kept page takes.
+    pub(super) fn bytes_of_page((_, page): &(u32, Option<Page>)) -> usize {
+        size_of::<(u32, Option<Page>)>() + page.as_ref().map_or(0, |page| page.len())
+    }
+
     /// Returns the heap bytes in use.
     pub fn heap_bytes(&self) -> usize {
-        let masks = self.empty.capacity() + self.full.capacity() + self.mixed.capacity();
-        masks * size_of::<BrickMask>()
-            + self.mixed_bits.capacity() * size_of::<Brick>()
+        let bits = RecordSize {
+            uniform: self.uniform.capacity(),
+            words: self.words.capacity(),
+            mixed: self.mixed_bits.capacity(),
+        };
+        bits.bytes()
             + self.pages.capacity() * size_of::<(u32, Option<Page>)>()
             + self.page_bytes
             + self.mask.as_ref().map_or(0, |mask| size_of::<BrickRecord>() + mask.heap_bytes())
     }
 
-    /// Returns the heap bytes after [`BrickRecord::gather`].
-    pub(crate) fn gathered_bytes(&self) -> usize {
-        let masks = self.empty.len() + self.full.len() + self.mixed.len();
-        masks * size_of::<BrickMask>()
-            + self.mixed_bits.len() * size_of::<Brick>()
-            + self.pages.len() * size_of::<(u32, Option<Page>)>()
-            + self.page_bytes
-    }
-
     /// Returns an upper bound for the heap bytes of the reverse record ([`BrickRecord::swap`]).
     pub(crate) fn reverse_bytes(&self, contents: &Contents) -> usize {
-        let lists = [&self.empty, &self.full, &self.mixed];
-        let masks: usize = lists.iter().map(|list| list.len()).sum();
-        let mixed: usize =
-            lists.into_iter().flatten().map(|bricks| count_mixed(&contents.grid, *bricks)).sum();
         let page = |(index, _): &(u32, Option<Page>)| {
             contents.material.page(*index as usize).map_or(0, |page| page.len())
         };
-        // Bricks of one kind may be of all three kinds in the reverse.
-        lists.len() * masks * size_of::<BrickMask>()
-            + mixed * size_of::<Brick>()
+        self.reverse_size(Some(&contents.grid)).bytes()
             + self.pages.len() * size_of::<(u32, Option<Page>)>()
             + self.pages.iter().map(page).sum::<usize>()
-            + self.mask.as_ref().map_or(0, |mask| mask.reverse_bytes_in(contents.mask.as_deref()))
+            + self.mask.as_ref().map_or(0, |mask| {
+                size_of::<BrickRecord>() + mask.reverse_size(contents.mask.as_deref()).bytes()
+            })
     }
 
-    /// Returns the same bound for the record of a mask; there may be none yet.
-    fn reverse_bytes_in(&self, mask: Option<&Grid>) -> usize {
-        let lists = [&self.empty, &self.full, &self.mixed];
-        let masks: usize = lists.iter().map(|list| list.len()).sum();
-        let mixed = |mask: &Grid| -> usize {
-            lists.into_iter().flatten().map(|bricks| count_mixed(mask, *bricks)).sum()
-        };
-        size_of::<BrickRecord>()
-            + lists.len() * masks * size_of::<BrickMask>()
-            + mask.map_or(0, mixed) * size_of::<Brick>()
-    }
-
-    /// Moves the values of `parts` into one record without spare capacity. The parts are left empty and keep their
-    /// memory unless it is large.
-    pub fn gather<P: AsMut<BrickRecord>>(parts: &mut [P]) -> BrickRecord {
-        BrickRecord {
-            empty: gather(parts, |part| &mut part.empty),
-            full: gather(parts, |part| &mut part.full),
-            mixed: gather(parts, |part| &mut part.mixed),
-            mixed_bits: gather(parts, |part| &mut part.mixed_bits),
-            pages: gather(parts, |part| &mut part.pages),
-            page_bytes: parts.iter_mut().map(|p| std::mem::take(&mut p.as_mut().page_bytes)).sum(),
-            mask: None,
-        }
+    /// Returns the size of the bits of the reverse record, if those of a grid are exchanged; none: of an empty one.
+    fn reverse_size(&self, grid: Option<&Grid>) -> RecordSize {
+        let now = |leaf: LeafKey| grid.map_or(OldLeaf::EMPTY, |grid| grid.leaf_bits(leaf));
+        let uniform = self.uniform.iter().map(|leaf| (leaf.leaf, Brick::FULL));
+        let words = self.words.chunk_by(|a, b| a.leaf == b.leaf);
+        let leaves = uniform.chain(words.map(|words| (words[0].leaf, bricks_of(words))));
+        leaves.map(|(leaf, bricks)| RecordSize::of_leaf(&now(leaf), &bricks)).sum()
     }
 
     /// Returns a copy, unless the system lacks the memory for it.
@@ -174,9 +340,8 @@ impl BrickRecord {
             Ok((*index, page.as_deref().map(copied_page).transpose()?))
         };
         Ok(BrickRecord {
-            empty: memory::copied(&self.empty)?,
-            full: memory::copied(&self.full)?,
-            mixed: memory::copied(&self.mixed)?,
+            uniform: memory::copied(&self.uniform)?,
+            words: memory::copied(&self.words)?,
             mixed_bits: memory::copied(&self.mixed_bits)?,
             pages: memory::copied_each(&self.pages, page)?,
             page_bytes: self.page_bytes,
@@ -187,7 +352,7 @@ impl BrickRecord {
     /// Writes the kept values into `contents` and returns the values they replace. Adds every brick that may have
     /// changed to `touched`.
     pub fn swap(self, contents: &mut Contents, touched: &mut BrickSet) -> BrickRecord {
-        self.swap_into(SwapScratch::default(), contents, touched)
+        self.swap_into(BrickRecord::default(), contents, touched)
     }
 
     /// Performs [`BrickRecord::swap`], unless the system lacks the memory for it. Then nothing has changed, and the record
@@ -203,18 +368,15 @@ impl BrickRecord {
         }
     }
 
-    /// Returns the memory that a swap needs; `None` if the system does not provide it.
-    fn room(&self, contents: &mut Contents) -> Option<SwapScratch> {
-        let reverse = self.reverse_room(&contents.grid).ok()?;
-        let mut room = SwapScratch { reverse, ..SwapScratch::default() };
+    /// Returns an empty record with room for the reverse; `None` if the system lacks the memory for it.
+    fn room(&self, contents: &mut Contents) -> Option<BrickRecord> {
+        let mut room = BrickRecord::default();
+        room.reserve(self, Some(&contents.grid)).ok()?;
+        room.pages.try_reserve_exact(self.pages.len()).ok()?;
         if let Some(mask) = &self.mask {
-            room.of_mask = match &contents.mask {
-                Some(bits) => mask.reverse_room(bits).ok()?,
-                None => {
-                    let bits = room.mask.insert(contents.grid.try_emptied().ok()?);
-                    mask.reverse_room(bits).ok()?
-                }
-            };
+            let mut of_mask = BrickRecord::default();
+            of_mask.reserve(mask, contents.mask.as_deref()).ok()?;
+            room.mask = Some(Box::new(of_mask));
         }
         if self.pages.iter().any(|(_, page)| page.is_some()) {
             contents.material.try_make_room().ok()?;
@@ -222,159 +384,135 @@ impl BrickRecord {
         Some(room)
     }
 
-    /// Returns an empty record with room for the reverse in a grid.
-    fn reverse_room(&self, grid: &Grid) -> Result<BrickRecord, TryReserveError> {
-        let lists = [&self.empty, &self.full, &self.mixed];
-        let masks = lists.iter().map(|list| list.len()).sum();
-        let mixed = lists.into_iter().flatten().map(|bricks| count_mixed(grid, *bricks)).sum();
-        let mut room = BrickRecord::default();
-        for list in [&mut room.empty, &mut room.full, &mut room.mixed] {
-            list.try_reserve_exact(masks)?;
-        }
-        room.mixed_bits.try_reserve_exact(mixed)?;
-        room.pages.try_reserve_exact(self.pages.len())?;
-        Ok(room)
+    /// Makes room for the reverse of a record in a grid.
+    fn reserve(
+        &mut self,
+        record: &BrickRecord,
+        grid: Option<&Grid>,
+    ) -> Result<(), TryReserveError> {
+        let size = record.reverse_size(grid);
+        self.uniform.try_reserve_exact(size.uniform)?;
+        self.words.try_reserve_exact(size.words)?;
+        self.mixed_bits.try_reserve_exact(size.mixed)
     }
 
+    /// Writes the values into `contents`. The reverse goes to `reverse`, which has room for it or is empty.
     fn swap_into(
         mut self,
-        room: SwapScratch,
-        contents: &mut Contents,
-        touched: &mut BrickSet,
-    ) -> BrickRecord {
-        let SwapScratch { reverse, of_mask, mask: bits } = room;
-        let mask = self.take_mask();
-        let mut reverse = vectorised(
-            #[inline(always)]
-            || self.swap_all(reverse, contents, touched),
-        );
-        if let Some(mask) = mask {
-            reverse.mask = Some(Box::new(mask.swap_mask(of_mask, bits, contents, touched)));
-        }
-        reverse
-    }
-
-    #[inline(always)]
-    fn swap_all(
-        self,
         mut reverse: BrickRecord,
         contents: &mut Contents,
         touched: &mut BrickSet,
     ) -> BrickRecord {
-        // Exactly the room needed: growing would copy too much.
-        let mut mixed = 0;
-        for list in [&self.empty, &self.full, &self.mixed] {
-            for bricks in list {
-                mixed += count_mixed(&contents.grid, *bricks);
-                touched.insert_mask(*bricks);
-            }
-        }
-        reverse.mixed_bits.reserve_exact(mixed);
-        for bricks in self.empty {
-            reverse.swap_word(
-                bricks,
-                contents,
-                #[inline(always)]
-                || (Brick::EMPTY, 0),
-            );
-        }
-        for bricks in self.full {
-            reverse.swap_word(
-                bricks,
-                contents,
-                #[inline(always)]
-                || (Brick::FULL, BRICK_VOXELS as u16),
-            );
-        }
-        let mut mixed_bits = self.mixed_bits.iter();
-        for bricks in self.mixed {
-            reverse.swap_word(
-                bricks,
-                contents,
-                #[inline(always)]
-                || {
-                    let bits = mixed_bits.next().unwrap_or(&Brick::EMPTY);
-                    (*bits, bits.count())
-                },
-            );
-        }
-        for (index, page) in self.pages {
+        let of_mask = reverse.take_mask().unwrap_or_default();
+        let mask = self.take_mask();
+        for (index, page) in self.take_pages() {
             reverse.keep_page(index, contents.material.swap_page(index as usize, page));
-            touched.insert(index);
+            touched.insert(contents.grid.brick_coords(index as usize));
         }
+        let mut reverse = self.swap_bits_into(reverse, &mut contents.grid, touched);
+        if let Some(mask) = mask {
+            let bits = contents.mask.take().map(|mask| *mask);
+            let mut bits = bits.unwrap_or_else(|| contents.grid.emptied());
+            reverse.mask = Some(Box::new(mask.swap_bits_into(of_mask, &mut bits, touched)));
+            contents.mask = Some(Box::new(bits));
+            contents.drop_empty_mask();
+        }
+        reverse
+    }
+
+    /// Writes the kept bits into a grid.
+    fn swap_bits_into(
+        &self,
+        mut reverse: BrickRecord,
+        grid: &mut Grid,
+        touched: &mut BrickSet,
+    ) -> BrickRecord {
+        if reverse.words.capacity() + reverse.uniform.capacity() == 0 {
+            // Exactly the room needed: growing would copy too much.
+            let size = self.reverse_size(Some(grid));
+            reverse.uniform.reserve_exact(size.uniform);
+            reverse.words.reserve_exact(size.words);
+            reverse.mixed_bits.reserve_exact(size.mixed);
+        }
+        self.write_bits(grid, &mut |leaf, bricks, kinds, mixed| {
+            reverse.mixed_bits.extend_from_slice(mixed);
+            reverse.keep_words(leaf, &bricks, kinds);
+            touched.insert_in(leaf, &bricks);
+        });
         reverse.shrink_to_fit();
         reverse
     }
 
-    /// Writes the kept values into the mask of `contents`, which is created or dropped as needed.
-    fn swap_mask(
-        self,
-        reverse: BrickRecord,
-        new: Option<Grid>,
-        contents: &mut Contents,
-        touched: &mut BrickSet,
-    ) -> BrickRecord {
-        let bits = contents.mask.take().map(|mask| *mask).or(new);
-        let mut mask = Contents::of_bits(bits.unwrap_or_else(|| contents.grid.emptied()));
-        let room = SwapScratch { reverse, ..SwapScratch::default() };
-        let reverse = self.swap_into(room, &mut mask, touched);
-        contents.mask = Some(Box::new(mask.grid));
-        contents.drop_empty_mask();
-        reverse
+    /// Writes the kept bits into a grid and returns the bricks that they belong to.
+    pub(super) fn put_bits(&self, grid: &mut Grid) -> BrickSet {
+        let mut bricks_set = BrickSet::default();
+        self.write_bits(grid, &mut |leaf, bricks, _, _| {
+            bricks_set.insert_in(leaf, &bricks);
+        });
+        bricks_set
     }
 
-    /// Sets the bricks of one word to successive values of `bits`, with their counts, and keeps the old ones.
-    #[inline(always)]
-    fn swap_word(
-        &mut self,
-        bricks: BrickMask,
-        contents: &mut Contents,
-        bits: impl FnMut() -> (Brick, u16),
-    ) {
-        let kept = swap_word(
-            &mut contents.grid,
-            bricks,
-            bits,
-            #[inline(always)]
-            |earlier| self.keep_mixed(earlier),
-        );
-        self.keep_word(bricks.word, kept);
+    /// Writes the kept bits into a grid. Calls `replaced` for each leaf.
+    fn write_bits(&self, grid: &mut Grid, replaced: &mut LeafReplaced) {
+        let mut scratch = [Brick::EMPTY; 512];
+        let (mut bits, mut earlier) = (&*self.mixed_bits, Vec::with_capacity(512));
+        let mut replace = |leaf, [bricks, full, mixed]: [Brick; 3]| {
+            let (own, rest) = bits.split_at(usize::from(mixed.count()).min(bits.len()));
+            bits = rest;
+            earlier.clear();
+            let kinds =
+                grid.replace_in(leaf, [bricks, full, mixed], own, &mut scratch, &mut earlier);
+            replaced(leaf, bricks, kinds, &earlier);
+        };
+        let mut uniform = &*self.uniform;
+        let mut whole_leaves_before = |leaf: Option<LeafKey>, replace: &mut ReplaceLeaf| {
+            while let Some((next, rest)) = uniform.split_first()
+                && leaf.is_none_or(|leaf| next.leaf < leaf)
+            {
+                let full = if next.was_full { Brick::FULL } else { Brick::EMPTY };
+                replace(next.leaf, [Brick::FULL, full, Brick::EMPTY]);
+                uniform = rest;
+            }
+        };
+        for words in self.words.chunk_by(|a, b| a.leaf == b.leaf) {
+            let leaf = words[0].leaf;
+            whole_leaves_before(Some(leaf), &mut replace);
+            let (mut full, mut mixed) = (Brick::EMPTY, Brick::EMPTY);
+            for word in words {
+                full.words[usize::from(word.word) & 7] = word.full;
+                mixed.words[usize::from(word.word) & 7] = word.mixed;
+            }
+            replace(leaf, [bricks_of(words), full, mixed]);
+        }
+        whole_leaves_before(None, &mut replace);
     }
 
-    fn shrink_to_fit(&mut self) {
-        self.empty.shrink_to_fit();
-        self.full.shrink_to_fit();
-        self.mixed.shrink_to_fit();
+    pub(super) fn shrink_to_fit(&mut self) {
+        self.uniform.shrink_to_fit();
+        self.words.shrink_to_fit();
         self.mixed_bits.shrink_to_fit();
         self.pages.shrink_to_fit();
     }
 }
 
-/// Memory for a swap.
-#[derive(Default)]
-struct SwapScratch {
-    /// An empty record, and one for the mask.
-    reverse: BrickRecord,
-    of_mask: BrickRecord,
-    /// A mask, if there is none yet.
-    mask: Option<Grid>,
+/// Gets a leaf whose bricks have been replaced, these bricks, their kinds before (empty, full, mixed), and the bits of those
+/// that were mixed.
+type LeafReplaced<'a> = dyn FnMut(LeafKey, Brick, [Brick; 3], &[Brick]) + 'a;
+
+/// Replaces bricks of a leaf: the named ones, and those of them that shall be full and mixed.
+type ReplaceLeaf<'a> = dyn FnMut(LeafKey, [Brick; 3]) + 'a;
+
+fn bytes_of_pages(pages: &[(u32, Option<Page>)]) -> usize {
+    pages.iter().flat_map(|(_, page)| page).map(|page| page.len()).sum()
 }
 
-/// Memory that each list of a part keeps for the next stroke.
-const SPARE_BYTES: usize = 64 << 10;
+/// Returns the bricks that words of one leaf name.
+fn bricks_of(words: &[WordRecord]) -> Brick {
+    let mut bricks = Brick::EMPTY;
+    words.iter().for_each(|word| bricks.words[usize::from(word.word) & 7] = word.bricks);
+    bricks
+}
 
-fn gather<P: AsMut<BrickRecord>, T>(
-    parts: &mut [P],
-    list: impl Fn(&mut BrickRecord) -> &mut Vec<T>,
-) -> Vec<T> {
-    let len = parts.iter_mut().map(|part| list(part.as_mut()).len()).sum();
-    let mut whole = Vec::with_capacity(len);
-    if len > 0 {
-        for part in parts {
-            let part = list(part.as_mut());
-            whole.append(part);
-            part.shrink_to(SPARE_BYTES / size_of::<T>());
-        }
-    }
-    whole
+fn used_words(bricks: &Brick) -> usize {
+    bricks.words.iter().filter(|word| **word != 0).count()
 }

@@ -1,64 +1,79 @@
-//! Collects the undo record of a stroke while it is in progress: for each brick that an edit changes for the first
-//! time, its earlier bits and colours.
+//! Collects the undo record of a stroke while it is in progress: the leaves of the grid that it has changed as it found
+//! them, which bricks of them have changed, and the earlier colours of painted bricks.
 //!
-//! One recorder serves all strokes of a sculpture, so that a stroke allocates only its resulting record. Knows no
+//! One recorder serves all strokes of a sculpture, so that a stroke allocates little but its resulting record. Knows no
 //! history.
 
+use std::collections::hash_map::Entry;
+use std::ops::Range;
+
+use glam::UVec3;
+use rustc_hash::FxHashMap;
+
 use super::brick::Brick;
-use super::brick_set::{BrickMask, BrickSet};
+use super::brick_set::{BrickSet, LeafKey};
 use super::edit_stats::EditStats;
-use super::grid::Grid;
-use super::record::BrickRecord;
+use super::grid::{ChangedLeaf, Grid, OldLeaf};
+use super::index_set::IndexSet;
+use super::material::Page;
+use super::record::{BrickRecord, RecordSize};
+
+/// Slabs of bricks along z whose colours are edited by one task.
+const BAND_SLABS: u32 = 4;
 
 /// Collects the record of the stroke in progress.
 #[derive(Debug, Default)]
 pub struct StrokeRecorder {
-    bands: Vec<BandRecord>,
-    bits_kept: BrickSet,
-    pages_kept: BrickSet,
+    /// The changed leaves as the stroke found them, and which of their bricks have changed.
+    leaves: FxHashMap<LeafKey, (OldLeaf, Brick)>,
+    /// The size of their record.
+    size: RecordSize,
+    bands: Vec<PageRecord>,
+    pages_kept: IndexSet,
     /// The recorder of the mask, once the stroke changes it.
     mask: Option<Box<StrokeRecorder>>,
 }
 
-/// Values that one band of the grid keeps during a stroke, and reports after each edit of it.
+/// Values that one band of the colours keeps during a stroke, and reports after each edit of it.
 #[derive(Debug, Default)]
-pub struct BandRecord {
-    /// Earlier values, from the whole stroke.
-    pub earlier: BrickRecord,
-    /// Bricks whose bits the current edit has changed.
-    pub bits_changed: Vec<BrickMask>,
-    /// Bricks whose page the current edit has changed.
-    pub pages_changed: Vec<BrickMask>,
-    /// Voxels that the current edit has yet to paint, by brick.
+pub(super) struct PageRecord {
+    /// Earlier pages with the linear indices of their bricks, from the whole stroke.
+    pub earlier: Vec<(u32, Option<Page>)>,
+    /// Linear indices of the bricks whose page the current edit has changed.
+    pub changed: Vec<u32>,
+    /// Voxels that the current edit has yet to paint, by linear index of their brick.
     pub to_paint: Vec<(u32, Brick)>,
     /// Counts of the current edit's changes.
     pub stats: EditStats,
 }
 
-impl AsMut<BrickRecord> for BandRecord {
-    fn as_mut(&mut self) -> &mut BrickRecord {
-        &mut self.earlier
-    }
+/// The bands of the colours of a grid.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ColourBands {
+    /// Bricks in a band, the last of which may have fewer.
+    pub bricks: usize,
 }
 
-/// The bands to record into, with the bricks whose earlier state has been kept.
-pub struct StrokeBands<'a> {
-    /// A record per band of the grid.
-    pub bands: &'a mut [BandRecord],
-    /// Bricks whose earlier bits the stroke has kept.
-    pub bits_kept: &'a BrickSet,
-    /// Bricks whose earlier page the stroke has kept.
-    pub pages_kept: &'a BrickSet,
+impl ColourBands {
+    pub fn of(grid: &Grid) -> ColourBands {
+        let UVec3 { x, y, .. } = grid.brick_dims();
+        ColourBands { bricks: (x * y * BAND_SLABS) as usize }
+    }
+
+    /// Returns the bands that hold the bricks of `slabs`.
+    pub fn of_slabs(slabs: Range<u32>) -> Range<usize> {
+        (slabs.start / BAND_SLABS) as usize..slabs.end.div_ceil(BAND_SLABS) as usize
+    }
 }
 
 impl StrokeRecorder {
     /// Returns a recorder for sculptures of the size of `grid`.
     pub fn new(grid: &Grid) -> StrokeRecorder {
+        let bands = grid.brick_dims().z.div_ceil(BAND_SLABS) as usize;
         StrokeRecorder {
-            bands: std::iter::repeat_with(BandRecord::default).take(grid.band_count()).collect(),
-            bits_kept: BrickSet::new(grid.brick_count()),
-            pages_kept: BrickSet::new(grid.brick_count()),
-            mask: None,
+            bands: std::iter::repeat_with(PageRecord::default).take(bands).collect(),
+            pages_kept: IndexSet::new(grid.brick_count()),
+            ..StrokeRecorder::default()
         }
     }
 
@@ -67,62 +82,101 @@ impl StrokeRecorder {
         self.mask.get_or_insert_with(|| Box::new(StrokeRecorder::new(grid)))
     }
 
-    /// Lends the bands out for one edit.
-    pub fn recording(&mut self) -> StrokeBands<'_> {
-        StrokeBands {
-            bands: &mut self.bands,
-            bits_kept: &self.bits_kept,
-            pages_kept: &self.pages_kept,
+    /// Returns whether the stroke has kept the earlier bits of a leaf.
+    #[inline(always)]
+    pub(super) fn has_leaf(&self, leaf: LeafKey) -> bool {
+        self.leaves.contains_key(&leaf)
+    }
+
+    /// Hands voxels that are to be painted to the bands that hold their bricks.
+    pub(super) fn list_to_paint(&mut self, voxels: Vec<(UVec3, Brick)>, grid: &Grid) {
+        for (b, mask) in voxels {
+            let band = &mut self.bands[(b.z / BAND_SLABS) as usize];
+            band.to_paint.push((grid.brick_index(b) as u32, mask));
         }
     }
 
-    /// Ends an edit: marks the recorded bricks as kept, adds the changed bricks to `dirty`, and
-    /// returns the sum of the bands' counts.
-    pub(crate) fn close_edit(&mut self, dirty: &mut BrickSet) -> EditStats {
-        let mut stats = EditStats::default();
+    /// Lends out the records of the bands, with the bricks whose earlier page has been kept.
+    pub(super) fn pages(&mut self) -> (&mut [PageRecord], &IndexSet) {
+        (&mut self.bands, &self.pages_kept)
+    }
+
+    /// Ends an edit that has changed the bits of `changed` and the pages that the bands list: adds these bricks to
+    /// `dirty`, and returns the sum of the counts.
+    pub(super) fn close_edit(
+        &mut self,
+        grid: &Grid,
+        changed: Vec<ChangedLeaf>,
+        mut stats: EditStats,
+        dirty: &mut BrickSet,
+    ) -> EditStats {
+        for changed in changed {
+            dirty.insert_in(changed.leaf, &changed.bricks);
+            self.note_changed(changed);
+        }
         for band in &mut self.bands {
-            let lists = [
-                (&mut band.bits_changed, &mut self.bits_kept),
-                (&mut band.pages_changed, &mut self.pages_kept),
-            ];
-            for (changed, kept) in lists {
-                for bricks in changed.drain(..) {
-                    kept.insert_mask(bricks);
-                    dirty.insert_mask(bricks);
-                }
+            for index in band.changed.drain(..) {
+                self.pages_kept.insert(index);
+                dirty.insert(grid.brick_coords(index as usize));
             }
             stats += std::mem::take(&mut band.stats);
         }
         stats
     }
 
-    /// Returns the bytes that the stroke's record takes so far.
-    pub fn bytes(&self) -> usize {
-        let own: usize = self.bands.iter().map(|band| band.earlier.gathered_bytes()).sum();
-        own + self.mask.as_ref().map_or(0, |mask| mask.bytes())
+    fn note_changed(&mut self, ChangedLeaf { leaf, bricks, before }: ChangedLeaf) {
+        let (before, known) = match self.leaves.entry(leaf) {
+            Entry::Occupied(entry) => entry.into_mut(),
+            Entry::Vacant(entry) => match before {
+                Some(before) => entry.insert((before, Brick::EMPTY)),
+                None => return,
+            },
+        };
+        let all = known.or(&bricks);
+        if all != *known {
+            self.size -= RecordSize::of_leaf(before, known);
+            self.size += RecordSize::of_leaf(before, &all);
+            *known = all;
+        }
     }
 
-    /// Resumes an ended stroke from its record.
-    pub(crate) fn resume(&mut self, mut record: BrickRecord, grid: &Grid) {
-        if let Some(mask) = record.take_mask() {
-            self.for_mask(grid).resume(mask, grid);
-        }
-        for bricks in record.kinds().into_iter().flatten() {
-            self.bits_kept.insert_mask(*bricks);
+    /// Returns about the bytes that the stroke's record takes so far.
+    pub fn bytes(&self) -> usize {
+        let pages = self.bands.iter().flat_map(|band| &band.earlier);
+        let pages: usize = pages.map(BrickRecord::bytes_of_page).sum();
+        self.size.bytes() + pages + self.mask.as_ref().map_or(0, |mask| mask.bytes())
+    }
+
+    /// Resumes an ended stroke of `grid` from its record.
+    pub(crate) fn resume(&mut self, mut record: BrickRecord, grid: &Grid, mask: Option<&Grid>) {
+        if let Some(record) = record.take_mask() {
+            let mask = mask.cloned().unwrap_or_else(|| grid.emptied());
+            self.for_mask(grid).resume(record, &mask, None);
         }
         for (index, _) in record.pages() {
             self.pages_kept.insert(*index);
         }
         if let Some(band) = self.bands.first_mut() {
-            band.earlier = record;
+            band.earlier = record.take_pages();
+        }
+        let mut before = grid.clone();
+        for (leaf, bricks) in record.put_bits(&mut before).leaves() {
+            let before = Some(before.leaf_bits(leaf));
+            self.note_changed(ChangedLeaf { leaf, bricks, before });
         }
     }
 
     /// Ends the stroke and returns its record.
     pub fn finish(&mut self) -> BrickRecord {
-        self.bits_kept.clear();
         self.pages_kept.clear();
-        let record = BrickRecord::gather(&mut self.bands);
+        self.size = RecordSize::default();
+        let mut leaves: Vec<_> = self.leaves.drain().collect();
+        leaves.sort_unstable_by_key(|(leaf, _)| *leaf);
+        let mut record = BrickRecord::of_leaves(&leaves);
+        for band in &mut self.bands {
+            band.earlier.drain(..).for_each(|(index, page)| record.keep_page(index, page));
+        }
+        record.shrink_to_fit();
         match self.mask.take() {
             Some(mut mask) => record.with_mask(mask.finish()),
             None => record,

@@ -91,7 +91,7 @@ fn damaged_steps_do_no_harm() {
             if let StepChange::Bricks(record) = step.change {
                 let mut contents = all[i].clone();
                 let bricks = contents.grid.brick_count();
-                record.swap(&mut contents, &mut BrickSet::new(bricks));
+                record.swap(&mut contents, &mut BrickSet::default());
                 let counts = (0..bricks).map(|i| u64::from(contents.grid.brick_at(i).count()));
                 assert_eq!(counts.sum::<u64>(), contents.grid.opaque_count());
             }

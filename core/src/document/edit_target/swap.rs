@@ -8,7 +8,6 @@ use std::sync::Arc;
 
 use super::EditTarget;
 use crate::document::CommandError;
-use crate::sculpture::brick_set::BrickSet;
 use crate::sculpture::edit::EditStats;
 use crate::sculpture::history::{Contents, StepChange, SurfaceKind};
 use crate::sculpture::memory::NoMemory;
@@ -60,7 +59,7 @@ impl EditTarget {
             Ok(done) => done,
             Err(refused) => {
                 let (record, error) = *refused;
-                self.recorder.resume(record, &self.contents.grid);
+                self.resume(record);
                 return Err(error);
             }
         };
@@ -68,10 +67,14 @@ impl EditTarget {
         if stats.is_err() {
             // Nothing has changed since, so this returns the same record again.
             let record = self.swap_bricks(done);
-            self.recorder.resume(record, &self.contents.grid);
+            self.resume(record);
             self.revision = revision;
         }
         stats
+    }
+
+    fn resume(&mut self, record: BrickRecord) {
+        self.recorder.resume(record, &self.contents.grid, self.contents.mask.as_deref());
     }
 
     fn swap_bricks(&mut self, record: BrickRecord) -> BrickRecord {
@@ -129,7 +132,7 @@ impl EditTarget {
     fn put_contents(&mut self, contents: Contents) -> Arc<Contents> {
         let old = std::mem::replace(&mut self.contents, Arc::new(contents));
         self.recorder = StrokeRecorder::new(&self.contents.grid);
-        self.dirty = BrickSet::new(self.contents.grid.brick_count());
+        self.dirty.clear();
         self.all_dirty = true;
         self.revision += 1;
         old

@@ -2,9 +2,9 @@
 //! orientations and kinds of surface are read back exactly as written. Used for journals, saved histories and the
 //! history on disk.
 //!
-//! A step is, little-endian: its state (two u64), a byte for the kind of its change (0 bricks, 1 whole, 2 oriented, 3
-//! oriented with the sculpture before, 4 surface), the label (u32 length and UTF-8 bytes), an orientation for kinds 2
-//! and 3 or a kind of surface for kind 4 (u32 length and the bytes of its text form), then the record for kind 0,
+//! A step is, little-endian: its state (two u64), a byte for the kind of its change (1 whole, 2 oriented, 3 oriented
+//! with the sculpture before, 4 surface, 5 bricks, 0 bricks by linear index, which is only read), the label (u32 length and UTF-8 bytes), an orientation for kinds 2
+//! and 3 or a kind of surface for kind 4 (u32 length and the bytes of its text form), then the record for kinds 5 and 0,
 //! packed by `blocks`, or a .vsc file for kinds 1 and 3.
 //!
 //! Reading checks a step against the [`ContentsShape`] of the contents with which it will be swapped, so that no damaged step
@@ -63,7 +63,7 @@ pub fn write_step(step: &Step) -> Result<Vec<u8>, FormatError> {
 /// Packs a step to a writer, a record in portions.
 pub(crate) fn write_step_to(step: &Step, out: &mut dyn Write) -> Result<(), FormatError> {
     let kind = match &step.change {
-        StepChange::Bricks(_) => 0,
+        StepChange::Bricks(_) => 5,
         StepChange::Whole(_) => 1,
         StepChange::Oriented { before: None, .. } => 2,
         StepChange::Oriented { before: Some(_), .. } => 3,
@@ -122,7 +122,8 @@ pub(crate) fn read_step_from(
         trailing => Err(FormatError::Trailing(trailing as u64)),
     };
     let change = match kind {
-        0 => StepChange::Bricks(record::read(rest, shape)?),
+        0 => StepChange::Bricks(record::read_linear(rest, shape)?),
+        5 => StepChange::Bricks(record::read(rest, shape)?),
         1 => StepChange::Whole(whole(rest)?),
         2 | 3 => {
             let text = take_text(rest)?;

@@ -85,7 +85,7 @@ proptest! {
             let mut contents = document.contents().clone();
             if let StepChange::Bricks(record) = step.change {
                 let bricks = contents.grid.brick_count();
-                record.swap(&mut contents, &mut BrickSet::new(bricks));
+                record.swap(&mut contents, &mut BrickSet::default());
                 let counts = (0..bricks).map(|i| u64::from(contents.grid.brick_at(i).count()));
                 prop_assert_eq!(counts.sum::<u64>(), contents.grid.opaque_count());
             }

@@ -14,8 +14,11 @@
 //! Numbers are little-endian; bricks, words, voxels and colours are those of memory. A chunk of
 //! nothing but empty or nothing but full bricks without pages takes no bytes at all.
 
+use glam::UVec3;
+
 use crate::format::FormatError;
 use crate::sculpture::brick::BRICK_VOXELS;
+use crate::sculpture::grid::BrickRun;
 use crate::sculpture::material::Page;
 use crate::sculpture::{Brick, ColourDepth};
 
@@ -64,20 +67,21 @@ impl ChunkEntry {
     }
 }
 
-/// Packs bricks. `valid` returns the bits that a brick may have, `page` its colours, both by the index in the chunk.
+/// Packs bricks, given with their coordinates. `valid` returns the bits that a brick may have, `page` its colours by the
+/// index in the chunk.
 pub fn pack<'a>(
-    bricks: impl ExactSizeIterator<Item = &'a Brick>,
-    valid: impl Fn(usize) -> Brick,
+    bricks: impl Iterator<Item = (UVec3, &'a Brick)>,
+    valid: impl Fn(UVec3) -> Brick,
     page: impl Fn(usize) -> Option<&'a [u8]>,
     depth: ColourDepth,
 ) -> (ChunkEntry, Vec<u8>) {
-    let mut classes = Vec::with_capacity(bricks.len() * 16);
+    let mut classes = Vec::with_capacity(bricks.size_hint().1.unwrap_or(0) * 16);
     let (mut shapes, mut words, mut pages) = (Vec::new(), Vec::new(), Vec::new());
     let mut page_count = 0;
-    for (i, brick) in bricks.enumerate() {
+    for (i, (b, brick)) in bricks.enumerate() {
         let class = if brick.is_empty() {
             EMPTY
-        } else if brick.is_full() || *brick == valid(i) {
+        } else if brick.is_full() || *brick == valid(b) {
             FULL
         } else {
             let mut shape = 0u16;
@@ -119,18 +123,18 @@ pub fn pack<'a>(
     (entry, packed)
 }
 
-/// Unpacks a chunk to `bricks`, which must be empty, and returns its pages with their indices in the chunk. The entry
-/// must have been checked.
+/// Unpacks a chunk to a run of its bricks, and returns its pages with their indices in the chunk. The entry must have
+/// been checked.
 pub fn unpack(
     entry: &ChunkEntry,
     packed: &[u8],
-    bricks: &mut [Brick],
-    valid: impl Fn(usize) -> Brick,
+    bricks: &mut BrickRun,
     depth: ColourDepth,
 ) -> Result<Vec<(usize, Page)>, FormatError> {
     if entry.packed_bytes == 0 {
-        if entry.plain_bytes == 1 {
-            bricks.iter_mut().enumerate().for_each(|(i, brick)| *brick = valid(i));
+        let is_full = entry.plain_bytes == 1;
+        while bricks.left() > 0 {
+            if is_full { bricks.add_full() } else { bricks.add_empty() }
         }
         return Ok(Vec::new());
     }
@@ -143,17 +147,18 @@ pub fn unpack(
         return Err(FormatError::Damaged("a part does not unpack"));
     }
     let mut rest = &plain[..];
-    let classes = take(&mut rest, bricks.len())?;
+    let classes = take(&mut rest, bricks.left())?;
     let mixed = classes.iter().filter(|&&class| class & !HAS_PAGE == MIXED).count();
     let shapes = take(&mut rest, 2 * mixed)?;
+    bricks.reserve(mixed);
     let mut shapes = shapes.as_chunks::<2>().0.iter().map(|&bytes| u16::from_le_bytes(bytes));
-    for (i, (brick, class)) in bricks.iter_mut().zip(classes).enumerate() {
+    for class in classes {
         match class & !HAS_PAGE {
-            EMPTY => {}
-            FULL => *brick = valid(i),
+            EMPTY => bricks.add_empty(),
+            FULL => bricks.add_full(),
             MIXED => {
-                unpack_brick(shapes.next().unwrap_or_default(), &mut rest, brick)?;
-                if *brick != brick.and(&valid(i)) {
+                let brick = unpack_brick(shapes.next().unwrap_or_default(), &mut rest)?;
+                if !bricks.add_brick(&brick) {
                     return Err(FormatError::Damaged("it has voxels beyond its border"));
                 }
             }
@@ -174,7 +179,8 @@ pub fn unpack(
 
 /// Unpacks a mixed brick from its words' classes and the following words in `rest`.
 #[inline]
-fn unpack_brick(shape: u16, rest: &mut &[u8], brick: &mut Brick) -> Result<(), FormatError> {
+fn unpack_brick(shape: u16, rest: &mut &[u8]) -> Result<Brick, FormatError> {
+    let mut brick = Brick::EMPTY;
     for (w, word) in brick.words.iter_mut().enumerate() {
         *word = match (shape >> (2 * w)) as u8 & 3 {
             EMPTY => 0,
@@ -187,7 +193,7 @@ fn unpack_brick(shape: u16, rest: &mut &[u8], brick: &mut Brick) -> Result<(), F
             _ => return Err(FormatError::Damaged("a brick is of no known kind")),
         };
     }
-    Ok(())
+    Ok(brick)
 }
 
 const CUT: FormatError = FormatError::Damaged("a part ends too early");

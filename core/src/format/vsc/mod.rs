@@ -118,10 +118,8 @@ pub fn write_to(
             if progress.is_cancelled() {
                 return (ChunkEntry::default(), Vec::new());
             }
-            let end = grid.brick_count().min(first + CHUNK_BRICKS as usize);
-            let bricks = (first..end).map(|index| grid.brick_at(index));
-            let valid = |at: usize| grid.valid_mask(grid.brick_coords(first + at));
-            chunk::pack(bricks, valid, |at| material.page(first + at), depth)
+            let bricks = grid.bricks_from(first).take(CHUNK_BRICKS as usize);
+            chunk::pack(bricks, |b| grid.valid_mask(b), |at| material.page(first + at), depth)
         })
         .collect();
     progress.end();
@@ -305,11 +303,10 @@ pub fn read(
         .collect();
     progress.begin("unpacking");
     let pages: Result<Vec<Vec<(usize, Page)>>, FormatError> =
-        grid.try_fill_runs(chunk_bricks, |first, bricks, place| {
+        grid.try_fill_runs(chunk_bricks, |first, bricks| {
             go_on(progress)?;
             let (entry, packed) = &chunks[first / chunk_bricks];
-            let valid = |at: usize| place.valid_mask(first + at);
-            let mut pages = chunk::unpack(entry, packed, bricks, valid, depth)?;
+            let mut pages = chunk::unpack(entry, packed, bricks, depth)?;
             pages.iter_mut().for_each(|(at, _)| *at += first);
             Ok(pages)
         });
@@ -333,7 +330,7 @@ fn read_mask(file: &[u8], grid: &Grid, limits: &Limits) -> Result<Grid, FormatEr
         return Err(FormatError::Damaged("its mask does not fit its size"));
     }
     let (mask, _) = read(file, limits, &())?;
-    let mut bits = grid.try_emptied()?;
+    let mut bits = grid.emptied();
     bits.fill_bricks(|b| *mask.grid.brick(b));
     Ok(bits)
 }

@@ -176,7 +176,7 @@ proptest! {
                 prop_assert!(signed || file == *ORIGINAL);
                 for index in 0..grid.brick_count() {
                     let brick = grid.brick_at(index);
-                    prop_assert_eq!(grid.brick_kind(index), BrickKind::of_count(brick.count()));
+                    prop_assert_eq!(grid.brick_kind(index) == BrickKind::Full, brick.is_full());
                     let valid = grid.valid_mask(grid.brick_coords(index));
                     prop_assert_eq!(brick.and_not(&valid), Brick::EMPTY);
                     let page = material.page(index);

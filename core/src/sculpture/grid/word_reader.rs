@@ -3,28 +3,20 @@
 use glam::IVec3;
 
 use super::Grid;
-use crate::sculpture::brick::BRICK_WORDS;
 
 /// Read access to the words of a grid.
 #[derive(Clone, Copy, Debug)]
 pub struct WordReader<'a> {
-    words: &'a [u64],
+    grid: &'a Grid,
     /// Size of the grid in words.
     dims: IVec3,
-    /// The distance from a brick to the next along each axis, in words.
-    stride: IVec3,
 }
-
-/// The distance from a word of a brick to the next along each axis, in words.
-const STEP: IVec3 = IVec3::new(1, 2, 4);
 
 impl<'a> WordReader<'a> {
     /// Returns read access to the words of `grid`.
     #[inline]
     pub fn new(grid: &'a Grid) -> WordReader<'a> {
-        let bricks = grid.brick_dims.as_ivec3();
-        let stride = BRICK_WORDS as i32 * IVec3::new(1, bricks.x, bricks.x * bricks.y);
-        WordReader { words: bytemuck::cast_slice(&grid.bricks), dims: bricks * 2, stride }
+        WordReader { grid, dims: grid.brick_dims().as_ivec3() * 2 }
     }
 
     /// Returns the eight words of the cube whose lower corner is the word at `corner`, x fastest; 0 outside the grid.
@@ -33,8 +25,12 @@ impl<'a> WordReader<'a> {
         std::array::from_fn(|i| {
             let w = corner + (IVec3::splat(i as i32) >> IVec3::new(0, 1, 2) & 1);
             let exists = w.cmpge(IVec3::ZERO).all() && w.cmplt(self.dims).all();
-            let place: IVec3 = (w >> 1) * self.stride + (w & 1) * STEP;
-            if exists { self.words[place.element_sum() as usize] } else { 0 }
+            let in_brick = (w & 1).as_uvec3();
+            let word = in_brick.x | in_brick.y << 1 | in_brick.z << 2;
+            match exists {
+                true => self.grid.brick(IVec3::as_uvec3(w >> 1)).words[word as usize & 7],
+                false => 0,
+            }
         })
     }
 }

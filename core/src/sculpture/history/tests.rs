@@ -2,8 +2,6 @@ use glam::{UVec3, Vec3};
 use proptest::prelude::*;
 
 use super::*;
-use crate::sculpture::brick_set::BrickMask;
-use crate::sculpture::grid::WordKinds;
 use crate::sculpture::record::BrickRecord;
 use crate::sculpture::{Brick, ColourDepth, Grid, Material, Rgb};
 
@@ -16,12 +14,10 @@ fn step(name: usize, bricks: u8) -> Step {
         let change = StepChange::Whole(Box::new(Contents::new(grid, material)));
         return Step { label, change, state: State::default() };
     }
-    let mut record = BrickRecord::default();
     let bits = Brick::below([1, 2, 3]);
-    let bricks = BrickMask { word: 3, mask: u64::MAX >> (64 - u32::from(bricks).min(64)) };
-    bricks.indices().for_each(|_| record.keep_mixed(&bits));
-    record.keep_word(bricks.word, WordKinds { mixed: bricks.mask, ..WordKinds::default() });
-    if bricks.mask & 1 != 0 {
+    let named = (0..u32::from(bricks).min(64)).map(|x| (UVec3::new(x, 1, 0), bits)).collect();
+    let mut record = BrickRecord::of_bricks(named, |_| Brick::FULL);
+    if bricks > 0 {
         record.keep_page(0, Some(vec![7; 512].into_boxed_slice()));
     }
     Step { label, change: StepChange::Bricks(record), state: State::default() }

@@ -30,7 +30,7 @@ use self::band::{Band, cells_at};
 use super::NormalField;
 use super::normal_field::PackedDepth;
 use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, BrickKind};
-use crate::sculpture::brick_set::BrickSet;
+use crate::sculpture::index_set::IndexSet;
 use crate::sculpture::{Grid, GridError, NO_VOXEL};
 use crate::view::PixelRays;
 
@@ -63,7 +63,7 @@ pub struct LevelSet {
     /// Cells with an existing voxel.
     cells: Grid,
     /// Bricks whose levels may be out of date.
-    stale: BrickSet,
+    stale: IndexSet,
 }
 
 impl LevelSet {
@@ -82,7 +82,7 @@ impl LevelSet {
     pub(crate) fn for_mesh(grid: &Grid, budget_bytes: u64) -> Result<LevelSet, GridError> {
         let count = grid.brick_count();
         let cells = grid.of_cells(budget_bytes)?;
-        let mut stale = BrickSet::new(count);
+        let mut stale = IndexSet::new(count);
         (0..count as u32).for_each(|index| stale.insert(index));
         Ok(LevelSet {
             table: vec![NO_PAGE; count],

@@ -28,7 +28,7 @@ use seen::sort_from;
 
 use crate::sculpture::Grid;
 use crate::sculpture::brick::{BRICK_EDGE_VX, Brick};
-use crate::sculpture::brick_set::BrickSet;
+use crate::sculpture::index_set::IndexSet;
 
 /// The distance, in bricks, up to which a changed brick affects others, on every axis.
 const REACH_BRICKS: u32 = 2;
@@ -55,7 +55,7 @@ pub struct NormalField {
     queued: Flags,
     /// Bricks whose first estimates edits have changed since the last update: those with other bits, and their
     /// neighbours.
-    inexact: BrickSet,
+    inexact: IndexSet,
     /// Bricks of `deferred` that pictures have shown by first estimates, or as they were before a nearby edit; oldest
     /// first.
     estimated: Vec<u32>,
@@ -97,7 +97,7 @@ impl NormalField {
         self.queued = Flags::new(count);
         self.queue.clear();
         self.deferred.clear();
-        self.inexact = BrickSet::new(count);
+        self.inexact = IndexSet::new(count);
         self.estimated.clear();
         for (b, brick) in grid.nonempty_bricks() {
             let index = grid.brick_index(b);

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::batch::Precision;
 use super::{Flags, MOST_AT_ONCE, NO_PAGE, NormalField, block};
 use crate::sculpture::brick::BRICK_EDGE_VX;
-use crate::sculpture::brick_set::{BrickMask, BrickSet};
+use crate::sculpture::index_set::{IndexMask, IndexSet};
 use crate::sculpture::{Grid, NO_VOXEL};
 use crate::surface::{IndexMap, PixelRect, PixelRects};
 
@@ -44,7 +44,7 @@ impl NormalField {
         if self.fresh > 0 {
             return;
         }
-        let mut seen = BrickSet::new(grid.brick_count());
+        let mut seen = IndexSet::new(grid.brick_count());
         for (map, rects) in views {
             for rect in rects.as_slice() {
                 bricks_in(grid, map, *rect, &self.queued, &mut seen);
@@ -61,7 +61,7 @@ impl NormalField {
         }
         let inexact = std::mem::take(&mut self.inexact);
         // A brick that was deferred before may have a page, and be changed again.
-        let unseen = self.queue.iter().copied().chain(inexact.masks().flat_map(BrickMask::indices));
+        let unseen = self.queue.iter().copied().chain(inexact.masks().flat_map(IndexMask::indices));
         for index in unseen.filter(|index| !seen.contains(*index)) {
             let page = std::mem::replace(&mut self.table[index as usize], NO_PAGE);
             if page != NO_PAGE {
@@ -90,10 +90,10 @@ impl NormalField {
         &mut self,
         grid: &Grid,
         mut targets: Vec<u32>,
-        inexact: &BrickSet,
+        inexact: &IndexSet,
         changed: &mut Vec<u32>,
     ) {
-        let mut known = BrickSet::new(grid.brick_count());
+        let mut known = IndexSet::new(grid.brick_count());
         self.estimated.iter().for_each(|index| known.insert(*index));
         targets.retain(|index| self.queued.contains(*index));
         self.estimated.extend(targets.iter().filter(|index| !known.contains(**index)));
@@ -155,7 +155,7 @@ pub(super) fn sort_from(list: &mut Vec<u32>, first: usize) {
 }
 
 /// Adds to `seen` the bricks of `wanted` whose voxels are visible in `rect`.
-fn bricks_in(grid: &Grid, map: &IndexMap, rect: PixelRect, wanted: &Flags, seen: &mut BrickSet) {
+fn bricks_in(grid: &Grid, map: &IndexMap, rect: PixelRect, wanted: &Flags, seen: &mut IndexSet) {
     let rect = rect.intersect(PixelRect::of_picture(map.rays.size));
     let (left, right) = (rect.min.x as usize, rect.max.x as usize);
     if left >= right {

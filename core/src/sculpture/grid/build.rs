@@ -1,0 +1,270 @@
+//! Builds the whole tree of a grid from its bricks, on all threads: for loaders and generators.
+//!
+//! Takes functions that give bricks by coordinates or by runs in linear order; never holds more than the runs in work
+//! beside the finished leaves.
+
+use std::sync::Arc;
+
+use glam::UVec3;
+use rayon::prelude::*;
+
+use super::extent::Extent;
+use super::node::{Child, NODE_EDGE_LOG2, Slot, TreeNode};
+use super::{unflatten, valid_mask};
+use crate::sculpture::brick::{BRICK_VOXELS, Brick, local_coords};
+
+/// Returns the tree of the bricks that `f` returns for their coordinates, cut to the valid bits.
+pub(super) fn tree_of_bricks(
+    extent: Extent,
+    levels: u32,
+    f: &(dyn Fn(UVec3) -> Brick + Sync),
+) -> Arc<TreeNode> {
+    tree_of_leaves(extent, levels, &|leaf| {
+        leaf_of(&extent, leaf, |b, valid| Value::of(f(b).and(valid)))
+    })
+}
+
+/// Returns the tree of the bricks that `f` adds to runs of `run` bricks in linear order, and the values that it returns.
+/// `f` gets the linear index of a run's first brick and the run. Returns one of its errors if there is one.
+pub(super) fn tree_of_runs<T: Send, E: Send>(
+    extent: Extent,
+    levels: u32,
+    run: usize,
+    f: impl Fn(usize, &mut BrickRun) -> Result<T, E> + Sync,
+) -> Result<(Arc<TreeNode>, Vec<T>), E> {
+    let count = extent.bricks.element_product() as usize;
+    let firsts: Vec<usize> = (0..count).step_by(run.max(1)).collect();
+    let written: Result<Vec<(T, BrickRun)>, E> = firsts
+        .into_par_iter()
+        .map(|first| {
+            let mut bricks = BrickRun::new(extent, first, run.min(count - first));
+            let value = f(first, &mut bricks)?;
+            Ok((value, bricks))
+        })
+        .collect();
+    let (values, runs): (Vec<T>, Vec<BrickRun>) = written?.into_iter().unzip();
+    // Mostly a power of two, which spares two divisions a brick.
+    let log2 = run.is_power_of_two().then(|| run.trailing_zeros());
+    let root = tree_of_leaves(extent, levels, &|leaf| {
+        leaf_of(&extent, leaf, |b, _| {
+            let index = (b.x + extent.bricks.x * (b.y + extent.bricks.y * b.z)) as usize;
+            let (at, within) = match log2 {
+                Some(log2) => (index >> log2, index & (run - 1)),
+                None => (index / run, index % run),
+            };
+            runs[at].brick(within)
+        })
+    });
+    Ok((root, values))
+}
+
+/// Returns the tree of the leaves that `leaf` returns for leaf coordinates.
+fn tree_of_leaves(
+    extent: Extent,
+    levels: u32,
+    leaf: &(dyn Fn(UVec3) -> Child + Sync),
+) -> Arc<TreeNode> {
+    let leaf_dims = (extent.bricks + 7) >> NODE_EDGE_LOG2;
+    let count = leaf_dims.element_product();
+    let mut leaves: Vec<Child> =
+        (0..count).into_par_iter().map(|index| leaf(unflatten(index, leaf_dims))).collect();
+    let mut take = |leaf: UVec3| {
+        let index = leaf.x + leaf_dims.x * (leaf.y + leaf_dims.y * leaf.z);
+        std::mem::replace(&mut leaves[index as usize], Child::Empty)
+    };
+    Arc::new(node_of(&extent, UVec3::ZERO, levels, &mut take))
+}
+
+/// A brick, without bits where it has none or all.
+enum Value {
+    Empty,
+    Full,
+    Mixed(Brick),
+}
+
+impl Value {
+    #[inline]
+    fn of(brick: Brick) -> Value {
+        match () {
+            () if brick.is_empty() => Value::Empty,
+            () if brick.is_full() => Value::Full,
+            () => Value::Mixed(brick),
+        }
+    }
+}
+
+/// Returns a leaf of the bricks that `f` returns for their coordinates and valid bits.
+fn leaf_of(extent: &Extent, leaf: UVec3, f: impl Fn(UVec3, &Brick) -> Value) -> Child {
+    let low = leaf << NODE_EDGE_LOG2;
+    let (inside, is_whole) = (extent.children(low, 0), extent.holds_brick(low + 7));
+    let (mut mixed, mut full, mut bricks, mut voxels) = (Brick::EMPTY, Brick::EMPTY, Vec::new(), 0);
+    inside.for_each(|index| {
+        let (slot, b) = (Slot::at(index), low + UVec3::from(local_coords(index)));
+        let valid = if is_whole { Brick::FULL } else { valid_mask(extent.dims, b) };
+        match f(b, &valid) {
+            Value::Empty => {}
+            Value::Full => {
+                slot.put(&mut full, true);
+                voxels += if is_whole { u64::from(BRICK_VOXELS) } else { u64::from(valid.count()) };
+            }
+            Value::Mixed(brick) => {
+                voxels += u64::from(brick.count());
+                if !is_whole && brick == valid {
+                    slot.put(&mut full, true);
+                } else {
+                    slot.put(&mut mixed, true);
+                    bricks.push(brick);
+                }
+            }
+        }
+    });
+    if full == inside {
+        Child::Full
+    } else if voxels == 0 {
+        Child::Empty
+    } else {
+        bricks.shrink_to_fit();
+        Child::Mixed(Arc::new(TreeNode::leaf(mixed, full, bricks, voxels)))
+    }
+}
+
+/// Returns the node of `level` (2 or more) from brick `low` on, of leaves.
+fn node_of(
+    extent: &Extent,
+    low: UVec3,
+    level: u32,
+    leaf: &mut dyn FnMut(UVec3) -> Child,
+) -> TreeNode {
+    let log2 = NODE_EDGE_LOG2 * (level - 1);
+    let (mut mixed, mut full, mut nodes, mut voxels) = (Brick::EMPTY, Brick::EMPTY, Vec::new(), 0);
+    extent.children(low, log2).for_each(|index| {
+        let (slot, low) = (Slot::at(index), low + (UVec3::from(local_coords(index)) << log2));
+        let child = match level {
+            2 => leaf(low >> NODE_EDGE_LOG2),
+            _ => {
+                let node = node_of(extent, low, level - 1, leaf);
+                let is_full = node.full == extent.children(low, log2 - NODE_EDGE_LOG2);
+                match () {
+                    () if node.occupied() == Brick::EMPTY => Child::Empty,
+                    () if is_full => Child::Full,
+                    () => Child::Mixed(Arc::new(node)),
+                }
+            }
+        };
+        match child {
+            Child::Empty => {}
+            Child::Full => {
+                slot.put(&mut full, true);
+                voxels += extent.voxels(low, log2);
+            }
+            Child::Mixed(node) => {
+                slot.put(&mut mixed, true);
+                voxels += node.voxels;
+                nodes.push(node);
+            }
+        }
+    });
+    nodes.shrink_to_fit();
+    TreeNode::inner(mixed, full, nodes, voxels)
+}
+
+/// A run of bricks in linear order, as a loader adds them. Only the mixed ones take memory.
+#[derive(Debug)]
+pub(crate) struct BrickRun {
+    extent: Extent,
+    /// The coordinates of the next brick, and how many may follow.
+    next: UVec3,
+    left: usize,
+    /// By 64 bricks: which are full, which are mixed, and the number of mixed ones before them.
+    words: Vec<(u64, u64, u32)>,
+    mixed: Vec<Brick>,
+    len: usize,
+}
+
+impl BrickRun {
+    fn new(extent: Extent, first: usize, count: usize) -> BrickRun {
+        let next = unflatten(first as u32, extent.bricks);
+        let words = Vec::with_capacity(count.div_ceil(64));
+        BrickRun { extent, next, left: count, words, mixed: Vec::new(), len: 0 }
+    }
+
+    /// Returns how many bricks remain to be added.
+    pub fn left(&self) -> usize {
+        self.left
+    }
+
+    /// Makes room for `mixed` bricks that are neither empty nor full.
+    pub fn reserve(&mut self, mixed: usize) {
+        self.mixed.reserve_exact(mixed);
+    }
+
+    /// Adds an empty brick.
+    #[inline]
+    pub fn add_empty(&mut self) {
+        self.add(0, 0);
+    }
+
+    /// Adds a brick that is full as far as it lies within the grid.
+    #[inline]
+    pub fn add_full(&mut self) {
+        self.add(1, 0);
+    }
+
+    /// Adds a brick. Returns false if it has voxels beyond the border of the grid; then it is not added.
+    #[inline]
+    pub fn add_brick(&mut self, brick: &Brick) -> bool {
+        if !self.extent.holds_brick(self.next) {
+            let valid = valid_mask(self.extent.dims, self.next);
+            if *brick != brick.and(&valid) {
+                return false;
+            }
+        }
+        match () {
+            () if brick.is_empty() => self.add_empty(),
+            () if brick.is_full() => self.add_full(),
+            () => {
+                self.add(0, 1);
+                self.mixed.push(*brick);
+            }
+        }
+        true
+    }
+
+    /// Adds a brick that is full or mixed, or neither.
+    #[inline]
+    fn add(&mut self, full: u64, mixed: u64) {
+        let bit = self.len % 64;
+        if bit == 0 {
+            self.words.push((0, 0, self.mixed.len() as u32));
+        }
+        if let Some(word) = self.words.last_mut() {
+            word.0 |= full << bit;
+            word.1 |= mixed << bit;
+        }
+        self.len += 1;
+        self.left = self.left.saturating_sub(1);
+        let UVec3 { x: width, y: height, .. } = self.extent.bricks;
+        let next = &mut self.next;
+        next.x += 1;
+        if next.x == width {
+            (next.x, next.y) = (0, next.y + 1);
+        }
+        if next.y == height {
+            (next.y, next.z) = (0, next.z + 1);
+        }
+    }
+
+    /// Returns a brick by its place in the run. Those that were not added are empty.
+    fn brick(&self, index: usize) -> Value {
+        let ((full, mixed, before), bit) =
+            (self.words.get(index / 64).copied().unwrap_or_default(), index % 64);
+        match (full >> bit & 1, mixed >> bit & 1) {
+            (0, 0) => Value::Empty,
+            (0, _) => {
+                let rank = (mixed & ((1 << bit) - 1)).count_ones();
+                Value::Mixed(self.mixed[(before + rank) as usize])
+            }
+            _ => Value::Full,
+        }
+    }
+}
