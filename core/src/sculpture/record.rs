@@ -67,7 +67,7 @@ impl UniformLeaf {
     }
 }
 
-/// What a record takes: numbers of uniform leaves, words and mixed bricks.
+/// The size of a record: numbers of uniform leaves, words and mixed bricks.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub(super) struct RecordSize {
     uniform: usize,

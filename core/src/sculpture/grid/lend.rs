@@ -34,7 +34,7 @@ impl Cube {
     }
 }
 
-/// What an edit does with a cube.
+/// The change that an edit makes to a cube.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::sculpture) enum CubeEdit {
     /// Nothing in it changes.
