@@ -126,7 +126,8 @@ impl PartialEq for Grid {
 }
 
 impl Grid {
-    /// Returns the most bytes that a grid of `dims` voxels can take, without colour.
+    /// Returns about the bytes of a grid of `dims` voxels all of whose bricks are mixed, without colour: the bound by
+    /// which limits are checked. Nodes of small grids may take more.
     pub fn bytes_for(dims: UVec3) -> u64 {
         let bricks = brick_dims(dims);
         let blocks = occupancy_dims(bricks);

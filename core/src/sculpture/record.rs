@@ -456,35 +456,22 @@ impl BrickRecord {
     fn write_bits(&self, grid: &mut Grid, replaced: &mut LeafReplaced) {
         let mut scratch = [Brick::EMPTY; 512];
         let (mut bits, mut earlier) = (&*self.mixed_bits, Vec::with_capacity(512));
-        let mut replace = |leaf, [bricks, full, mixed]: [Brick; 3]| {
+        let mut words = self.words().peekable();
+        while let Some(leaf) = words.peek().map(|word| word.leaf) {
+            let [mut bricks, mut full, mut mixed] = [Brick::EMPTY; 3];
+            while let Some(word) = words.next_if(|word| word.leaf == leaf) {
+                let at = usize::from(word.word) & 7;
+                bricks.words[at] = word.bricks;
+                full.words[at] = word.full;
+                mixed.words[at] = word.mixed;
+            }
             let (own, rest) = bits.split_at(usize::from(mixed.count()).min(bits.len()));
             bits = rest;
             earlier.clear();
             let kinds =
                 grid.replace_in(leaf, [bricks, full, mixed], own, &mut scratch, &mut earlier);
             replaced(leaf, bricks, kinds, &earlier);
-        };
-        let mut uniform = &*self.uniform;
-        let mut whole_leaves_before = |leaf: Option<LeafKey>, replace: &mut ReplaceLeaf| {
-            while let Some((next, rest)) = uniform.split_first()
-                && leaf.is_none_or(|leaf| next.leaf < leaf)
-            {
-                let full = if next.was_full { Brick::FULL } else { Brick::EMPTY };
-                replace(next.leaf, [Brick::FULL, full, Brick::EMPTY]);
-                uniform = rest;
-            }
-        };
-        for words in self.words.chunk_by(|a, b| a.leaf == b.leaf) {
-            let leaf = words[0].leaf;
-            whole_leaves_before(Some(leaf), &mut replace);
-            let (mut full, mut mixed) = (Brick::EMPTY, Brick::EMPTY);
-            for word in words {
-                full.words[usize::from(word.word) & 7] = word.full;
-                mixed.words[usize::from(word.word) & 7] = word.mixed;
-            }
-            replace(leaf, [bricks_of(words), full, mixed]);
         }
-        whole_leaves_before(None, &mut replace);
     }
 
     pub(super) fn shrink_to_fit(&mut self) {
@@ -498,9 +485,6 @@ impl BrickRecord {
 /// Gets a leaf whose bricks have been replaced, these bricks, their kinds before (empty, full, mixed), and the bits of those
 /// that were mixed.
 type LeafReplaced<'a> = dyn FnMut(LeafKey, Brick, [Brick; 3], &[Brick]) + 'a;
-
-/// Replaces bricks of a leaf: the named ones, and those of them that shall be full and mixed.
-type ReplaceLeaf<'a> = dyn FnMut(LeafKey, [Brick; 3]) + 'a;
 
 fn bytes_of_pages(pages: &[(u32, Option<Page>)]) -> usize {
     pages.iter().flat_map(|(_, page)| page).map(|page| page.len()).sum()
