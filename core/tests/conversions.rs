@@ -45,7 +45,7 @@ pub fn shape() -> Contents {
     for v in all().filter(|v| exists(*v)) {
         let mut mask = Brick::EMPTY;
         mask.set(v.x % 8, v.y % 8, v.z % 8, true);
-        material.paint(grid.brick_index(v / 8), &mask, colour(v));
+        material.paint(v / 8, &mask, colour(v));
     }
     Contents::new(grid, material)
 }

@@ -178,7 +178,7 @@ fn colour_volumes_keep_their_colours() {
             assert_eq!(grid.get(at.as_ivec3()), exists, "{name} {at}");
             if exists {
                 let rgb = Rgb::new(voxel[0], voxel[1], voxel[2]);
-                assert_eq!(colour_at(&grid, &material, at), rgb, "{name} {at}");
+                assert_eq!(colour_at(&material, at), rgb, "{name} {at}");
             }
         }
         let tissue = ImportOptions { colouring: Colouring::Tissue, ..ImportOptions::default() };
@@ -187,8 +187,8 @@ fn colour_volumes_keep_their_colours() {
     }
 }
 
-fn colour_at(grid: &Grid, material: &Material, v: UVec3) -> Rgb {
-    material.rgb(grid.brick_index(v / 8), local_index(v.x & 7, v.y & 7, v.z & 7))
+fn colour_at(material: &Material, v: UVec3) -> Rgb {
+    material.rgb(v / 8, local_index(v.x & 7, v.y & 7, v.z & 7))
 }
 
 #[test]
@@ -198,11 +198,11 @@ fn memory_is_checked_before_it_is_allocated() {
     let error = format::load(&path, &ImportOptions::default(), &small_grid, &()).unwrap_err();
     assert!(matches!(error, FormatError::Grid(_)), "{error}");
     assert!(error.to_string().contains("allowed for grids"), "{error}");
-    let few_colours = Limits { colour_bytes: 10 << 20, ..Limits::default() };
+    let few_colours = Limits { colour_bytes: 2 << 20, ..Limits::default() };
     let grey = ImportOptions { colouring: Colouring::Grey, ..ImportOptions::default() };
     let error = format::load(&path, &grey, &few_colours, &()).unwrap_err();
     let FormatError::OverBudget(over) = error else { panic!("{error}") };
-    assert_eq!((over.budget, over.budget_mib), (MemoryBudget::Colours, 10));
+    assert_eq!((over.budget, over.budget_mib), (MemoryBudget::Colours, 2));
     // The same limits suffice for a sculpture of one colour.
     let plain = ImportOptions { colouring: Colouring::None, ..ImportOptions::default() };
     format::load(&path, &plain, &few_colours, &()).unwrap();
@@ -249,7 +249,7 @@ prop_compose! {
                 let shift = if kind > 1 { (x * kind) as u8 } else { 0 };
                 let colour = colour.map(|c: u8| c.wrapping_add(shift));
                 grid.set(v.as_ivec3(), kind > 0);
-                if kind > 0 { material.paint(grid.brick_index(v / 8), &one, Rgb(colour)); }
+                if kind > 0 { material.paint(v / 8, &one, Rgb(colour)); }
             } } }
         }
         canonical(&Contents::new(grid, material))
@@ -262,11 +262,12 @@ fn canonical(contents: &Contents) -> Contents {
     let mut visible = Material::for_grid(grid, material.depth(), material.base());
     for (b, brick) in grid.nonempty_bricks() {
         let index = grid.brick_index(b);
-        let differs = |local| material.rgb(index, local) != material.base();
+        let b = grid.brick_coords(index);
+        let differs = |local| material.rgb(b, local) != material.base();
         let mut any = false;
         brick.for_each(|local| any |= differs(local));
         if any {
-            visible.paint_each(index, brick, |local| material.rgb(index, local));
+            visible.paint_each(b, brick, |local| material.rgb(b, local));
         }
     }
     Contents::new(grid.clone(), visible)
@@ -301,8 +302,8 @@ proptest! {
         for (b, brick) in contents.grid.nonempty_bricks() {
             let index = contents.grid.brick_index(b);
             brick.for_each(|local| {
-                let was = contents.material.rgb(index, local);
-                let is = back.material.rgb(index, local);
+                let was = contents.material.rgb(contents.grid.brick_coords(index), local);
+                let is = back.material.rgb(back.grid.brick_coords(index), local);
                 assert_eq!(is, if was == black { instead } else { was });
             });
         }
@@ -342,8 +343,8 @@ proptest! {
         for (b, brick) in contents.grid.nonempty_bricks() {
             let index = contents.grid.brick_index(b);
             brick.for_each(|local| assert_eq!(
-                back.material.rgb(index, local),
-                contents.material.rgb(index, local)
+                back.material.rgb(back.grid.brick_coords(index), local),
+                contents.material.rgb(contents.grid.brick_coords(index), local)
             ));
         }
     }

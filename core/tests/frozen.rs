@@ -69,6 +69,20 @@ fn end_of_script() -> Vec<Command> {
     all[..1].iter().chain(&all[start..]).cloned().collect()
 }
 
+/// Returns a few steps that change bits, colours and the mask.
+fn few_steps() -> Vec<Command> {
+    let lines = [
+        "new dims=24,20,17 size=1,1,1 colour=24 base=#c8beaa fill=solid",
+        "subtract ellipsoid at=12,10,8 half=6",
+        "recolour ellipsoid at=12,10,8 half=9 colour=#408060",
+        "mask add ellipsoid at=4,10,8 half=6",
+        "noise colour=#204060 size=8 amount=1",
+        "clear",
+        "undo",
+    ];
+    lines.map(|line| line.parse().unwrap()).into()
+}
+
 fn done(commands: &[Command]) -> Session {
     let mut session = session();
     commands.iter().for_each(|command| execute(&mut session, command));
@@ -106,7 +120,11 @@ fn the_script_has_every_command() {
 
 #[test]
 fn a_journal_leads_to_the_same_session() {
-    let cases = [("steps.journal", 1000, script()), ("checkpoint.journal", 0, end_of_script())];
+    let cases = [
+        ("steps.journal", 1000, script()),
+        ("checkpoint.journal", 0, end_of_script()),
+        ("pages.journal", 0, few_steps()),
+    ];
     for (name, replay, commands) in cases {
         let bytes = frozen(name, || {
             let memory = Memory::default();

@@ -249,7 +249,7 @@ fn inherited_colours_are_mirrored_and_bounded() {
     }
     // Without memory for colours, nothing is filled, and the command is refused.
     let pages = contents.material.page_count() as u64;
-    let limits = Limits { colour_bytes: contents.material.bytes_with(0), ..Limits::default() };
+    let limits = Limits { colour_bytes: contents.material.heap_bytes(), ..Limits::default() };
     let mut full = Document::from_contents(contents.clone(), limits);
     full.apply(&"subtract cuboid at=20,36,20 half=20,4,20".parse().unwrap()).unwrap();
     assert_eq!(full.material().page_count() as u64, pages);

@@ -190,7 +190,7 @@ fn model(folder: &Path, name: &str) -> PathBuf {
     let mut top = Brick::EMPTY;
     top.set(0, 2, 0, true);
     top.set(0, 2, 1, true);
-    material.paint(0, &top, Rgb::new(10, 200, 10));
+    material.paint(UVec3::ZERO, &top, Rgb::new(10, 200, 10));
     let path = folder.join(name);
     let contents = Contents::new(grid, material);
     format::save(&path, &contents, ExportForm::Auto, &()).unwrap();

@@ -51,7 +51,7 @@ fn contents_of(dims: UVec3, depth: ColourDepth, voxels: &[(IVec3, Rgb)]) -> Cont
         let mut mask = sculpture_core::sculpture::Brick::EMPTY;
         let local = v.as_uvec3() % 8;
         mask.set(local.x, local.y, local.z, true);
-        material.paint(grid.brick_index(v.as_uvec3() / 8), &mask, *rgb);
+        material.paint(v.as_uvec3() / 8, &mask, *rgb);
     }
     Contents::new(grid, material)
 }

@@ -33,7 +33,7 @@ fn document(depth: ColourDepth, voxel_size: Vec3) -> Document {
     grid.fill_bricks(|b| *cheese.brick(b));
     let mut material = Material::for_grid(&grid, depth, Rgb::new(180, 170, 150));
     for brick in (0..grid.brick_count()).step_by(3) {
-        material.paint_each(brick, &Brick::FULL, |i| {
+        material.paint_each(grid.brick_coords(brick), &Brick::FULL, |i| {
             let hash = (brick as u32 * 512 + i).wrapping_mul(0x9E37_79B1);
             let [r, g, b, _] = hash.to_le_bytes();
             Rgb([r, g, b])

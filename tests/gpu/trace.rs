@@ -31,7 +31,7 @@ fn subject(grid: Grid, colour: Rgb, painted: bool) -> Subject {
     let mut material = Material::for_grid(&grid, ColourDepth::Bits24, colour);
     if painted {
         for index in (0..grid.brick_count()).step_by(3) {
-            material.paint(index, &Brick::FULL, Rgb::new(40, 90, 200));
+            material.paint(grid.brick_coords(index), &Brick::FULL, Rgb::new(40, 90, 200));
         }
     }
     let normals = NormalField::of(&grid);

@@ -101,7 +101,7 @@ fn new_and_open_ask_where_there_is_unsaved_work() {
 /// A harness whose history has room for next to nothing.
 fn forgetful() -> Bench {
     let config = config(64);
-    let limits = Limits { history_bytes: 150, ..config.limits() };
+    let limits = Limits { history_bytes: 64, ..config.limits() };
     let session = Session::new(&config.new_sculpture(), limits).unwrap();
     let bench = Workspace::new(session, &config, Bindings::presets().unwrap());
     bench_around(bench, vec2(1280.0, 800.0))

@@ -98,7 +98,7 @@ fn model(path: &Path) {
             let mut voxel = Brick::EMPTY;
             voxel.set(at.x % 8, at.y % 8, at.z % 8, true);
             let colour = colours[(at.y / 14).min(2) as usize];
-            material.paint(grid.brick_index(at / 8), &voxel, colour);
+            material.paint(at / 8, &voxel, colour);
         }
     }
     let contents = Contents::new(grid, material);

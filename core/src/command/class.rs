@@ -33,23 +33,6 @@ pub enum CommandClass {
     Setting,
 }
 
-impl CommandClass {
-    /// Returns whether commands of the class change voxels, colours, mask or surface in place without moving along the
-    /// history.
-    pub const fn edits_in_place(self) -> bool {
-        match self {
-            Self::Tool | Self::Area | Self::Mask | Self::Arrange | Self::Whole => true,
-            Self::Replace
-            | Self::File
-            | Self::Stroke
-            | Self::Orient
-            | Self::Travel
-            | Self::Copy
-            | Self::Setting => false,
-        }
-    }
-}
-
 impl Command {
     /// Returns the class of the command.
     pub const fn class(&self) -> CommandClass {

@@ -31,9 +31,6 @@ pub(super) struct ChangeCounters {
 impl Document {
     /// Executes a command. On an error nothing has changed.
     pub fn apply(&mut self, command: &Command) -> Result<Applied, CommandError> {
-        if command.class().edits_in_place() {
-            self.target.own_contents()?;
-        }
         match command {
             Command::New(new) => {
                 self.require_no_stroke("new")?;
@@ -113,7 +110,6 @@ impl Document {
     pub fn replace(&mut self, contents: Contents, label: &str) -> Result<(), CommandError> {
         self.require_no_stroke("open")?;
         self.require_room_for_whole(label)?;
-        self.target.own_contents()?;
         let old = Box::new(self.target.swap_contents(contents));
         self.strokes.forget_last_uses();
         self.timeline.push_replacement(label.to_string(), old);
@@ -148,7 +144,6 @@ impl Document {
         if !self.stroke_open() {
             return Err(CommandError::NoStroke("cancel"));
         }
-        self.target.own_contents()?;
         self.strokes.cancel();
         self.take_back();
         Ok(Applied::default())

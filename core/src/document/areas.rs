@@ -12,6 +12,7 @@ use crate::refusal::InvalidValue;
 use crate::sculpture::Rgb;
 use crate::sculpture::edit::{EditOp, EditStats};
 use crate::sculpture::region::{Everywhere, Region};
+use crate::sculpture::to_paint::PaintedWith;
 use crate::tools::flood;
 use crate::tools::tint::{Tint, Tinter};
 
@@ -34,7 +35,8 @@ fn edit_region(
     region: &impl Region,
     op: EditOp,
 ) -> Result<EditStats, CommandError> {
-    target.check_colour_memory(|exact| target.new_pages(region, op, exact))?;
+    let painted = PaintedWith::Edit(op);
+    target.check_colour_memory(|is_close| target.colour_growth(region, painted, is_close))?;
     Ok(target.edit(region, op))
 }
 
@@ -60,10 +62,8 @@ fn tint_region(
 ) -> Result<EditStats, CommandError> {
     let (voxel_size, base) = (target.grid().voxel_size(), target.material().base());
     let tinter = Tinter::new(tint, voxel_size, base);
-    if !tinter.keeps_base() {
-        let any = EditOp::Recolour(target.new_colour());
-        target.check_colour_memory(|exact| target.new_pages(region, any, exact))?;
-    }
+    let painted = PaintedWith::AnyColours { keeps_base: tinter.keeps_base() };
+    target.check_colour_memory(|is_close| target.colour_growth(region, painted, is_close))?;
     Ok(target.paint(region, |v, now| tinter.colour(v, now)))
 }
 

@@ -9,6 +9,7 @@ use super::strokes::Strokes;
 use crate::sculpture::edit::{EditOp, EditStats};
 use crate::sculpture::inherit::Inherited;
 use crate::sculpture::region::ListedBricks;
+use crate::sculpture::to_paint::PaintedWith;
 use crate::tools::brush::change::{BrushChange, NewClay, Paint, Site};
 use crate::tools::brush::spec::BrushGroup;
 use crate::tools::brush::{BrushSurface, BrushUse};
@@ -54,16 +55,18 @@ fn carry_out(
         NewClay::Colour(colour) => Some(colour),
         NewClay::Base | NewClay::Inherited => None,
     };
-    target.check_colour_memory(|exact| {
+    target.check_colour_memory(|is_close| {
         let painted = paint.iter().map(|(voxels, paint)| match paint {
-            Paint::Carried(_) => target.unpainted_bricks(voxels),
-            Paint::Mix(_) | Paint::Stencil(_) => {
-                target.new_pages(voxels, EditOp::Recolour(target.new_colour()), exact)
-            }
+            Paint::Carried(_) => target.growth_of_bricks(voxels),
+            Paint::Mix(_) | Paint::Stencil(_) => target.colour_growth(
+                voxels,
+                PaintedWith::AnyColours { keeps_base: false },
+                is_close,
+            ),
         });
-        target.new_pages(&add, EditOp::Add(colour), exact)
+        target.colour_growth(&add, PaintedWith::Edit(EditOp::Add(colour)), is_close)
             + painted.sum::<u64>()
-            + inherited.new_pages(&target.contents)
+            + inherited.growth(&target.contents)
     })?;
     if keeps_surface {
         strokes.keep_surface(target.grid())?;

@@ -94,8 +94,8 @@ fn pasted(
     }
     let voxels = clip.voxels(at, orientation, target.grid().brick_dims());
     if target.has_colour() {
-        let pages = target.unpainted_bricks(&voxels);
-        target.check_colour_memory(|_| pages)?;
+        let growth = target.growth_of_bricks(&voxels);
+        target.check_colour_memory(|_| growth)?;
     }
     Ok(voxels)
 }

@@ -20,6 +20,7 @@ use crate::sculpture::paint::paint_each;
 use crate::sculpture::region::{ListedBricks, Region};
 use crate::sculpture::selection::{BoxStack, Selection};
 use crate::sculpture::stroke::StrokeRecorder;
+use crate::sculpture::to_paint::{PaintedWith, growth, growth_of_bricks};
 use crate::sculpture::{ColourDepth, Grid, Limits, Material, Rgb};
 use crate::tools::symmetry::{Symmetry, SymmetryTransform};
 
@@ -28,7 +29,7 @@ mod swap;
 /// The contents that commands edit.
 #[derive(Debug)]
 pub(super) struct EditTarget {
-    /// Shared with a save in progress; an edit during the save works on a copy ([`EditTarget::own_contents`]).
+    /// Shared with a save in progress; an edit during the save works on a copy, which costs nothing.
     pub contents: Arc<Contents>,
     pub selection: Selection,
     pub symmetry: Symmetry,
@@ -49,7 +50,7 @@ impl EditTarget {
             symmetry: Symmetry::default(),
             limits,
             revision: 0,
-            recorder: StrokeRecorder::new(&contents.grid),
+            recorder: StrokeRecorder::default(),
             dirty: BrickSet::default(),
             all_dirty: true,
             contents: Arc::new(contents),
@@ -136,7 +137,7 @@ impl EditTarget {
             }
         };
         let contents = Arc::make_mut(&mut self.contents);
-        let recorder = self.recorder.for_mask(&contents.grid);
+        let recorder = self.recorder.for_mask();
         let Some(mut bits) = contents.mask.take().or(new) else { return Ok(EditStats::default()) };
         let scope = EditScope { stack: self.selection.limit(), mask: None };
         let stats = match scope.is_everywhere() {
@@ -151,34 +152,35 @@ impl EditTarget {
         Ok(stats)
     }
 
-    /// Returns the number of new colour pages of an edit: exactly, or as a quick upper bound.
-    pub fn new_pages(&self, region: &impl Region, op: EditOp, exact: bool) -> u64 {
+    /// Returns an upper bound of the bytes by which painting a region, where tools may work, makes the colours larger: a
+    /// quick one, or a close one.
+    pub fn colour_growth(&self, region: &impl Region, painted: PaintedWith, is_close: bool) -> u64 {
         let (contents, scope) = (&self.contents, self.scope());
         match scope.is_everywhere() {
-            true => pages_of(contents, region, op, exact),
-            false => pages_of(contents, &ScopedRegion { region, scope }, op, exact),
+            true => growth(contents, region, painted, is_close),
+            false => growth(contents, &ScopedRegion { region, scope }, painted, is_close),
         }
     }
 
-    /// Returns how many bricks of a list have no page of colours; 0 if the sculpture stores no colours.
-    pub fn unpainted_bricks(&self, voxels: &ListedBricks) -> u64 {
-        if !self.has_colour() {
-            return 0;
-        }
-        let unpainted = |b: &UVec3| self.material().page(self.grid().brick_index(*b)).is_none();
-        voxels.bricks().iter().filter(|(b, _)| unpainted(b)).count() as u64
+    /// Returns an upper bound of the bytes by which painting listed bricks in any colours makes the colours larger.
+    pub fn growth_of_bricks(&self, voxels: &ListedBricks) -> u64 {
+        growth_of_bricks(self.material(), voxels.bricks().iter().map(|(b, _)| *b))
     }
 
-    /// Returns an error if a change would need more memory for colours than is allowed. `pages`: the number of new
-    /// pages, as an upper bound (`false`) or as exactly as possible (`true`).
-    pub fn check_colour_memory(&self, pages: impl Fn(bool) -> u64) -> Result<(), CommandError> {
-        let needed = |exact| self.material().bytes_with(pages(exact));
+    /// Returns an error if a change would need more memory for colours than is allowed. `growth`: the bytes by which they
+    /// become larger, as a quick upper bound (`false`) or a close one (`true`).
+    pub fn check_colour_memory(&self, growth: impl Fn(bool) -> u64) -> Result<(), CommandError> {
+        let needed = |is_close| self.material().heap_bytes().saturating_add(growth(is_close));
         let budget = self.limits.colour_bytes;
         if needed(false) <= budget {
             return Ok(());
         }
+        let growth = growth(true);
+        if growth == 0 {
+            return Ok(());
+        }
         let (what, purpose) = ("this may need", MemoryBudget::Colours);
-        Ok(OverBudget::check(what, needed(true), purpose, budget)?)
+        Ok(OverBudget::check(what, self.material().heap_bytes() + growth, purpose, budget)?)
     }
 
     pub fn has_colour(&self) -> bool {
@@ -198,21 +200,9 @@ impl EditTarget {
         }
     }
 
-    /// Returns a colour that no unpainted voxel has.
-    pub fn new_colour(&self) -> Rgb {
-        Rgb(self.material().base().0.map(|v| !v))
-    }
-
     /// Publishes the bricks changed since the last call to the subscribers of `changes`.
     pub fn publish(&mut self, changes: &mut SubscribedChanges) {
         let bricks = self.contents.grid.brick_dims();
         changes.publish(&mut self.dirty, std::mem::take(&mut self.all_dirty), bricks);
-    }
-}
-
-fn pages_of(contents: &Contents, region: &impl Region, op: EditOp, exact: bool) -> u64 {
-    match edit::max_new_pages(contents, region, op) {
-        Some(_) if exact => edit::count_new_pages(contents, region, op),
-        at_most => at_most.unwrap_or(0),
     }
 }

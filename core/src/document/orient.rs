@@ -46,8 +46,5 @@ pub(super) fn lay(
         None => orient_contents(&target.contents, orientation, &target.limits, &())?,
     };
     let is_exact = is_exact(&target.contents, orientation);
-    if !is_exact {
-        target.own_contents()?;
-    }
     Ok(target.swap_oriented(contents, orientation, is_exact))
 }

@@ -9,6 +9,7 @@ use crate::sculpture::Limits;
 use crate::sculpture::edit::{EditOp, EditStats};
 use crate::sculpture::history::Contents;
 use crate::sculpture::inherit::Inherited;
+use crate::sculpture::to_paint::PaintedWith;
 use crate::tools::repair::{Repair, RepairPlan};
 
 /// Returns the voxels that `repair` changes, found within `limits`.
@@ -37,8 +38,9 @@ pub(super) fn carry_out(
         _ => Inherited::default(),
     };
     let add = EditOp::Add(None);
-    target.check_colour_memory(|exact| {
-        target.new_pages(&plan.add, add, exact) + inherited.new_pages(&target.contents)
+    target.check_colour_memory(|is_close| {
+        target.colour_growth(&plan.add, PaintedWith::Edit(add), is_close)
+            + inherited.growth(&target.contents)
     })?;
     let mut stats = target.edit(&plan.remove, EditOp::Subtract);
     stats += target.edit(&plan.add, add);

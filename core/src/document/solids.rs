@@ -10,6 +10,7 @@ use super::CommandError;
 use super::edit_target::EditTarget;
 use super::pictures::LoadedPictures;
 use crate::sculpture::edit::{EditOp, EditStats};
+use crate::sculpture::to_paint::PaintedWith;
 use crate::tools::drawn::DrawnSolid;
 use crate::tools::drawn::region::PlacedDrawnSolid;
 use crate::tools::solid::{PlacedSolid, Primitive, check_sweep_end};
@@ -24,7 +25,7 @@ pub(super) fn construct(
 ) -> Result<EditStats, CommandError> {
     primitive.check().and_then(|()| check_sweep_end(to_vx))?;
     target.require_colours_for(op)?;
-    let regions = images_of(target, primitive, to_vx, op)?;
+    let regions = images_of(target, primitive, to_vx, PaintedWith::Edit(op))?;
     let mut stats = EditStats::default();
     regions.iter().for_each(|(_, region)| stats += target.edit(region, op));
     Ok(stats)
@@ -41,8 +42,9 @@ pub(super) fn draw(
     let images = target.images();
     let regions: Vec<_> =
         images.iter().map(|image| PlacedDrawnSolid::new(drawn, target.grid(), *image)).collect();
-    target.check_colour_memory(|exact| {
-        regions.iter().map(|region| target.new_pages(region, op, exact)).sum()
+    let painted = PaintedWith::Edit(op);
+    target.check_colour_memory(|is_close| {
+        regions.iter().map(|region| target.colour_growth(region, painted, is_close)).sum()
     })?;
     let mut stats = EditStats::default();
     regions.iter().for_each(|region| stats += target.edit(region, op));
@@ -61,9 +63,10 @@ pub(super) fn texture(
     let texture = pictures.get(picture)?;
     let placed = primitive.in_grid(target.grid().voxel_size());
     let image_point = primitive.solid.spec().image_point;
-    let any = EditOp::Recolour(target.new_colour());
     let mut stats = EditStats::default();
-    for (image, region) in images_of(target, primitive, None, any)? {
+    for (image, region) in
+        images_of(target, primitive, None, PaintedWith::AnyColours { keeps_base: false })?
+    {
         stats += target.paint(&region, |v, _| {
             let p = placed.tool_point(image.origin_of(v.as_dvec3() + 0.5).as_vec3());
             texture.sample(image_point(p))
@@ -78,15 +81,15 @@ fn images_of(
     target: &EditTarget,
     primitive: &Primitive,
     to_vx: Option<Vec3>,
-    op: EditOp,
+    painted: PaintedWith,
 ) -> Result<Vec<(SymmetryTransform, PlacedSolid)>, CommandError> {
     let voxel_size = target.grid().voxel_size();
     let placed =
         |image: SymmetryTransform| (image, primitive.image_in_grid(to_vx, voxel_size, &image));
     let images = target.images();
     let solids: Vec<_> = images.into_iter().map(placed).collect();
-    target.check_colour_memory(|exact| {
-        solids.iter().map(|(_, region)| target.new_pages(region, op, exact)).sum()
+    target.check_colour_memory(|is_close| {
+        solids.iter().map(|(_, region)| target.colour_growth(region, painted, is_close)).sum()
     })?;
     Ok(solids)
 }

@@ -37,10 +37,6 @@ impl Document {
             _ => false,
         };
         let lifts = !heeds.mask && self.mask().is_some() && !commands.iter().any(about_mask);
-        // If a snapshot shares the contents and memory lacks room for a copy, nothing is tried.
-        if lifts && self.target.own_contents().is_err() {
-            return stats;
-        }
         let counts = self.counts();
         let limits = self.target.selection.limits();
         self.target.selection.set_limits(limits && heeds.limit);

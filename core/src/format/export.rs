@@ -73,7 +73,7 @@ fn packed24(Rgb(colour): Rgb) -> [u8; 3] {
 }
 
 fn densities(contents: &Contents) -> Vec<u8> {
-    voxels_by_brick(contents, |slab: &mut BrickLayer<1>, corner, brick, _| {
+    voxels_by_brick(contents, |slab: &mut BrickLayer<1>, corner, brick| {
         let rows = brick.to_rows();
         let room = slab.room(corner);
         for z in 0..room.z {
@@ -98,11 +98,12 @@ fn spread_bits(bits: u8) -> u64 {
 
 fn colours<const B: usize>(contents: &Contents, of: impl Fn(Rgb) -> [u8; B] + Sync) -> Vec<u8> {
     let material = &contents.material;
-    voxels_by_brick(contents, |slab: &mut BrickLayer<B>, corner, brick, index| {
+    voxels_by_brick(contents, |slab: &mut BrickLayer<B>, corner, brick| {
+        let page = material.page(corner / BRICK_EDGE_VX);
         brick.for_each(|local| {
             let [x, y, z] = local_coords(local);
             let at = slab.index(corner.x + x, corner.y + y, z);
-            slab.voxels[at] = of(material.rgb(index, local));
+            slab.voxels[at] = of(page.map_or(material.base(), |page| page.rgb(local)));
         });
     })
 }
@@ -130,7 +131,7 @@ impl<const B: usize> BrickLayer<'_, B> {
 /// index.
 fn voxels_by_brick<const B: usize>(
     contents: &Contents,
-    write: impl Fn(&mut BrickLayer<B>, UVec3, &Brick, usize) + Sync,
+    write: impl Fn(&mut BrickLayer<B>, UVec3, &Brick) + Sync,
 ) -> Vec<u8> {
     let grid = &contents.grid;
     let dims = grid.dims();
@@ -142,7 +143,7 @@ fn voxels_by_brick<const B: usize>(
         for by in 0..grid.brick_dims().y {
             for (bx, brick) in grid.nonempty_in_row(by, bz as u32) {
                 let at = UVec3::new(bx, by, bz as u32);
-                write(&mut slab, at * BRICK_EDGE_VX, brick, grid.brick_index(at));
+                write(&mut slab, at * BRICK_EDGE_VX, brick);
             }
         }
     });

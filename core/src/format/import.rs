@@ -23,7 +23,7 @@ use crate::progress::Progress;
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_coords};
 use crate::sculpture::colour::{unpack8, unpack16};
 use crate::sculpture::history::Contents;
-use crate::sculpture::material::Page;
+use crate::sculpture::material::{MAX_PAGE_BYTES, Page, PageView};
 use crate::sculpture::{Brick, ColourDepth, Grid, Limits, Material, Rgb};
 use crate::tools::pieces;
 
@@ -275,49 +275,48 @@ impl VolumeImport<'_> {
     }
 
     /// Colours all existing voxels. `fill` writes the colours of the voxels of a brick, given by its lowest corner, to
-    /// its page. It is called through a pointer once per brick, so that the parallel loops are compiled once and not
+    /// the packed ones of all its voxels. It is called through a pointer once per brick, so that the parallel loops are compiled once and not
     /// per voxel type.
     fn paint(
         &self,
         grid: &Grid,
         depth: ColourDepth,
         base: Rgb,
-        fill: &(dyn Fn(UVec3, &Brick, &mut Page) + Sync),
+        fill: &(dyn Fn(UVec3, &Brick, &mut [u8]) + Sync),
     ) -> Result<Material, FormatError> {
-        let mut material = Material::for_grid(grid, depth, base);
+        let material = Material::for_grid(grid, depth, base);
         if depth == ColourDepth::None {
             return Ok(material);
         }
-        let blank = blank_page(&material);
-        let page_of = |brick: u32| -> Option<Page> {
-            let corner = grid.brick_coords(brick as usize) * BRICK_EDGE_VX;
-            let mut page = blank.clone();
-            fill(corner, grid.brick_at(brick as usize), &mut page);
+        let blank = material.base_page();
+        let page_of = |b: UVec3| -> Option<Page> {
+            let mut buffer = [0; MAX_PAGE_BYTES];
+            let colours = &mut buffer[..material.page_bytes()];
+            PageView::of(&blank, depth).write_to(colours);
+            fill(b * BRICK_EDGE_VX, grid.brick(b), colours);
+            let page = Page::of_bytes(colours, depth);
             (page != blank).then_some(page)
         };
-        let filled: Vec<u32> =
-            grid.nonempty_bricks().map(|(b, _)| grid.brick_index(b) as u32).collect();
-        let table_bytes = (grid.brick_count() * size_of::<Option<Page>>()) as u64;
-        let bytes_of = |pages: usize| table_bytes + (pages * material.page_bytes()) as u64;
+        let filled: Vec<UVec3> = grid.nonempty_bricks().map(|(b, _)| b).collect();
         let budget = self.limits.colour_bytes;
-        if bytes_of(filled.len()) > budget {
-            // It may still fit if some bricks have the base colour throughout.
-            let pages = filled.par_iter().filter(|b| page_of(**b).is_some()).count();
-            check_colour_budget(bytes_of(pages), budget)?;
+        if material.bytes_for_pages(filled.len() as u64, u64::MAX) > budget {
+            // It may still fit, since bricks may have few colours, or none but the base colour.
+            let bytes =
+                |b: &UVec3| page_of(*b).map_or((0, 0), |page| (1, page.heap_bytes() as u64));
+            let add = |(a, b): (u64, u64), (c, d): (u64, u64)| (a + c, b + d);
+            let (pages, bytes) = filled.par_iter().map(bytes).reduce(|| (0, 0), add);
+            check_colour_budget(material.bytes_for_pages(pages, bytes), budget)?;
         }
         self.progress.begin("colouring");
+        let mut painted = Material::for_grid(grid, depth, base);
         for (i, batch) in filled.chunks(PAINT_BATCH).enumerate() {
             go_on(self.progress)?;
-            let pages: Vec<Option<Page>> = batch.par_iter().map(|b| page_of(*b)).collect();
-            for (&brick, page) in batch.iter().zip(pages) {
-                if page.is_some() {
-                    material.swap_page(brick as usize, page);
-                }
-            }
+            let page = |b: &UVec3| page_of(*b).map(|page| (*b, page));
+            painted.set_pages(batch.par_iter().filter_map(page).collect());
             self.progress.advance((i * PAINT_BATCH) as f32 / filled.len() as f32);
         }
         self.progress.end();
-        Ok(material)
+        Ok(painted)
     }
 }
 
@@ -346,13 +345,4 @@ fn row_bits<const B: usize>(row: &[[u8; B]], exists: &impl Fn(&[u8; B]) -> bool)
     }
     // The factor moves the lowest bit of byte i to bit 56 + i, and nothing else there.
     u64::from_le_bytes(bytes).wrapping_mul(0x0102_0408_1020_4080) >> 56
-}
-
-/// Returns a page filled with the base colour.
-fn blank_page(material: &Material) -> Page {
-    let mut page = vec![0; material.page_bytes()].into_boxed_slice();
-    for colour in page.chunks_exact_mut(material.depth().bytes()) {
-        material.depth().write(material.base(), colour);
-    }
-    page
 }

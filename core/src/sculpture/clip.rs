@@ -46,10 +46,11 @@ impl Clip {
         });
         let mut material = Material::for_grid(&grid, from.material.depth(), from.material.base());
         for index in 0..grid.brick_count() {
-            let origin = bounds.min.as_uvec3() + grid.brick_coords(index) * BRICK_EDGE_VX;
+            let b = grid.brick_coords(index);
+            let origin = bounds.min.as_uvec3() + b * BRICK_EDGE_VX;
             let colour = |local: u32| from.rgb(origin + UVec3::from(local_coords(local)));
-            let painted = painted(grid.brick_at(index), from.material.base(), colour);
-            material.paint_each(index, &painted, colour);
+            let painted = painted(grid.brick(b), from.material.base(), colour);
+            material.paint_each(b, &painted, colour);
         }
         Ok(Some(Clip { contents: Contents::new(grid, material) }))
     }

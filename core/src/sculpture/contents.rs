@@ -8,7 +8,6 @@ use super::brick::{BRICK_EDGE_VX, local_index};
 use super::colour::{ColourDepth, Rgb};
 use super::grid::Grid;
 use super::material::Material;
-use super::memory::{self, NoMemory};
 
 /// The form in which nearby voxels are shown, and the default for their mesh.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
@@ -73,23 +72,12 @@ impl Contents {
     /// Returns the colour of the voxel at `v`, which must lie inside the grid, whether it exists or not.
     pub fn rgb(&self, v: UVec3) -> Rgb {
         let [x, y, z] = (v % BRICK_EDGE_VX).to_array();
-        self.material.rgb(self.grid.brick_index(v / BRICK_EDGE_VX), local_index(x, y, z))
+        self.material.rgb(v / BRICK_EDGE_VX, local_index(x, y, z))
     }
 
     /// Returns the colour of the voxel at `v`; `None` if it does not exist.
     pub fn colour(&self, v: IVec3) -> Option<Rgb> {
         self.grid.get(v).then(|| self.rgb(v.as_uvec3()))
-    }
-
-    /// Returns a copy, unless the system lacks the memory for it. The copy shares the nodes of grid and mask; the memory
-    /// for copies of all of them is required nevertheless, since edits may need it.
-    pub fn copied(&self) -> Result<Contents, NoMemory> {
-        let no_memory = NoMemory { bytes: self.kept_bytes() as u64 };
-        let mask = self.mask.as_ref().map_or(0, |mask| mask.heap_bytes());
-        memory::probe((self.grid.heap_bytes() + mask) as usize).map_err(|_| no_memory)?;
-        let material = self.material.copied().map_err(|_| no_memory)?;
-        let (grid, mask) = (self.grid.clone(), self.mask.clone());
-        Ok(Contents { grid, material, mask, surface: self.surface })
     }
 
     /// Returns the bytes of a step that keeps all of the contents.

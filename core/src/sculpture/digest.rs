@@ -11,6 +11,7 @@ use std::io::{ErrorKind, Read};
 use rayon::prelude::*;
 
 use super::contents::{Contents, SurfaceKind};
+use super::material::MAX_PAGE_BYTES;
 
 /// Number of bricks in a run.
 const RUN_BRICKS: usize = 4096;
@@ -56,8 +57,8 @@ impl Digest {
             .step_by(RUN_BRICKS)
             .map(|first| {
                 let mut hasher = Sha256::new();
-                let run = grid.bricks_from(first).take(RUN_BRICKS);
-                for (index, (_, brick)) in (first..).zip(run) {
+                let (mut colours, mut buffer) = (material.reader(), [0; MAX_PAGE_BYTES]);
+                for (b, brick) in grid.bricks_from(first).take(RUN_BRICKS) {
                     match (brick.is_empty(), brick.is_full()) {
                         (true, _) => hasher.update(&[0]),
                         (_, true) => hasher.update(&[1]),
@@ -66,9 +67,9 @@ impl Digest {
                             brick.words.iter().for_each(|word| hasher.update(&word.to_le_bytes()));
                         }
                     }
-                    if let Some(page) = material.page(index) {
+                    if let Some(page) = colours.page(b) {
                         hasher.update(&[3]);
-                        hasher.update(page);
+                        hasher.update(page.write_to(&mut buffer));
                     }
                 }
                 hasher.finish()
@@ -214,7 +215,7 @@ mod tests {
         changed.grid.set_brick(40, Brick::EMPTY);
         others.push(Digest::of(&changed));
         let mut changed = contents.clone();
-        changed.material.paint(1500, &Brick::FULL, Rgb::new(1, 2, 3));
+        changed.material.paint(UVec3::new(17, 17, 1), &Brick::FULL, Rgb::new(1, 2, 3));
         others.push(Digest::of(&changed));
         let mut changed = contents.clone();
         changed.material =

@@ -18,10 +18,10 @@ use super::colour::Rgb;
 use super::contents::Contents;
 pub use super::edit_stats::EditStats;
 use super::grid::{ChangedLeaf, Cube, CubeEdit, Grid, LeafEdit, LeafPlace, Lent, LentLeaf};
-use super::index_set::IndexSet;
-use super::material::{Brush, Page};
+use super::material::Material;
 use super::region::{BoxCoverage, BrickBox, Region, RowReach};
-use super::stroke::{ColourBands, PageRecord, StrokeRecorder};
+use super::stroke::StrokeRecorder;
+use super::to_paint::{PaintTarget, ToPaint, colour_cube, for_each_portion, may_paint};
 
 /// An operation on the voxels of a region.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -54,47 +54,59 @@ pub fn edit(
     recorder: &mut StrokeRecorder,
     dirty: &mut BrickSet,
 ) -> EditStats {
-    let brush = match op {
-        EditOp::Add(colour) => brush_for(contents, colour.unwrap_or(contents.material.base())),
-        EditOp::Recolour(colour) => brush_for(contents, colour),
+    let colour = match op {
+        EditOp::Add(colour) => Some(colour.unwrap_or(contents.material.base())),
+        EditOp::Recolour(colour) => Some(colour),
         EditOp::Subtract => None,
     };
-    let paint = brush.is_some();
+    let colour = colour.filter(|colour| may_paint(&contents.material, *colour));
     let bricks = match BrickBox::around(region, &contents.grid) {
-        Some(bricks) if paint || !matches!(op, EditOp::Recolour(_)) => bricks,
+        Some(bricks) if colour.is_some() || !matches!(op, EditOp::Recolour(_)) => bricks,
         _ => return EditStats::default(),
     };
-    let parallel = bricks.brick_count() >= PARALLEL_BRICKS;
-    let mut done = match op {
-        EditOp::Recolour(_) => voxels_in(&contents.grid, region, bricks, parallel),
-        EditOp::Add(_) => change_bits(
-            &mut contents.grid,
-            recorder,
-            region,
-            EditBits { adds: true, paint },
-            bricks,
-        ),
-        EditOp::Subtract => change_bits(
-            &mut contents.grid,
-            recorder,
-            region,
-            EditBits { adds: false, paint },
-            bricks,
-        ),
+    let Contents { grid, material, .. } = contents;
+    let adds = match op {
+        EditOp::Add(_) => true,
+        EditOp::Subtract => false,
+        EditOp::Recolour(colour) => {
+            let mut stats = EditStats::default();
+            for_each_portion(grid, region, PaintTarget::Existing, true, |voxels| {
+                stats += paint(material, &voxels, colour, recorder, dirty);
+            });
+            return stats;
+        }
     };
-    if let Some(brush) = brush.as_ref().filter(|_| !done.to_paint.is_empty()) {
-        let recolour = matches!(op, EditOp::Recolour(_));
-        let grid = &contents.grid;
-        recorder.list_to_paint(std::mem::take(&mut done.to_paint), grid);
-        let (pages, pages_kept) = recorder.pages();
-        let per_band = ColourBands::of(grid).bricks;
-        let bands = ColourBands::of_slabs(bricks.min.z..bricks.max.z);
-        let paint = |first: u32, pages: &mut [Option<Page>], record: &mut PageRecord| {
-            paint_band(brush, first, pages, record, pages_kept, recolour)
-        };
-        contents.material.edit_bands(per_band, bands, parallel, pages, &paint);
+    let bits = EditBits { adds, paint: colour.is_some() };
+    let done = change_bits(grid, recorder, region, bits, bricks);
+    recorder.close_edit(done.changed, dirty);
+    if let Some(colour) = colour {
+        // These voxels are new, not recoloured.
+        paint(material, &done.to_paint, colour, recorder, dirty);
     }
-    recorder.close_edit(&contents.grid, done.changed, done.stats, dirty)
+    done.stats
+}
+
+/// Paints voxels and returns the counts of those with another colour than before.
+fn paint(
+    material: &mut Material,
+    voxels: &ToPaint,
+    colour: Rgb,
+    recorder: &mut StrokeRecorder,
+    dirty: &mut BrickSet,
+) -> EditStats {
+    let mut stats = EditStats::default();
+    if voxels.cubes.is_empty() && voxels.bricks.is_empty() {
+        return stats;
+    }
+    recorder.begin_painting(material);
+    let of_cubes = material.paint_cubes(&voxels.cubes, colour);
+    let of_bricks = material.paint_bricks(&voxels.bricks, colour);
+    for painted in [of_cubes, of_bricks] {
+        recorder.close_painting(&painted, dirty);
+        stats.voxels_recoloured += painted.voxels;
+        stats.bricks_changed += painted.bricks;
+    }
+    stats
 }
 
 /// Adds the voxels of `region` that lie within the grid to a mask, or removes them from it.
@@ -108,8 +120,8 @@ pub(crate) fn edit_mask(
     let Some(bricks) = BrickBox::around(region, mask) else { return EditStats::default() };
     let bits = EditBits { adds, paint: false };
     let Changed { changed, stats, .. } = change_bits(mask, recorder, region, bits, bricks);
-    let EditStats { voxels_added, voxels_removed, bricks_changed, .. } =
-        recorder.close_edit(mask, changed, stats, dirty);
+    recorder.close_edit(changed, dirty);
+    let EditStats { voxels_added, voxels_removed, bricks_changed, .. } = stats;
     // No voxel of the sculpture has changed.
     let voxels_masked = voxels_added + voxels_removed;
     EditStats { voxels_masked, bricks_changed, ..EditStats::default() }
@@ -120,15 +132,15 @@ pub(crate) fn edit_mask(
 struct Changed {
     /// The leaves in which bits have changed.
     changed: Vec<ChangedLeaf>,
-    /// The voxels that remain to be painted, by brick.
-    to_paint: Vec<(UVec3, Brick)>,
+    /// The voxels that remain to be painted.
+    to_paint: ToPaint,
     stats: EditStats,
 }
 
 impl Changed {
     fn append(&mut self, mut other: Changed) {
         self.changed.append(&mut other.changed);
-        self.to_paint.append(&mut other.to_paint);
+        self.to_paint.append(other.to_paint);
         self.stats += other.stats;
     }
 }
@@ -151,6 +163,7 @@ fn change_bits(
     bricks: BrickBox,
 ) -> Changed {
     let (bounds, is_small) = (region.bounds_vx(), bricks.brick_count() <= SMALL_BRICKS);
+    let (place, mut to_paint) = (grid.leaf_place(), ToPaint::default());
     let mut choose = |cube: Cube| {
         if bits.adds && cube.is_full || !bits.adds && cube.is_empty {
             return CubeEdit::Skip;
@@ -163,20 +176,25 @@ fn change_bits(
         match region.coverage(voxels) {
             BoxCoverage::None => CubeEdit::Skip,
             BoxCoverage::Part => CubeEdit::Open,
-            BoxCoverage::All if bits.paint => CubeEdit::Open,
+            BoxCoverage::All if bits.paint && !cube.is_empty => CubeEdit::Open,
+            BoxCoverage::All if bits.paint && !place.holds_whole_bricks(cube) => CubeEdit::Open,
+            BoxCoverage::All if bits.paint => {
+                to_paint.cubes.push(colour_cube(cube));
+                CubeEdit::Fill
+            }
             BoxCoverage::All if bits.adds => CubeEdit::Fill,
             BoxCoverage::All => CubeEdit::Clear,
         }
     };
     let Lent { mut leaves, changed, voxels_added, voxels_removed } = grid.lend(bricks, &mut choose);
-    let mut done = Changed { changed, ..Changed::default() };
+    let mut done = Changed { changed, to_paint, ..Changed::default() };
     done.stats.voxels_added += voxels_added;
     done.stats.voxels_removed += voxels_removed;
     done.stats.bricks_changed +=
         done.changed.iter().map(|leaf| u64::from(leaf.bricks.count())).sum::<u64>();
     // Leaves in a row along x share what the region computes for the rows of bricks.
     leaves.sort_unstable_by_key(|leaf| (leaf.leaf.z, leaf.leaf.y, leaf.leaf.x));
-    let work = LeafWork { region, recorder, bits, bricks, place: grid.leaf_place() };
+    let work = LeafWork { region, recorder, bits, bricks, place };
     let rows = leaves.chunk_by_mut(|a, b| (a.leaf.y, a.leaf.z) == (b.leaf.y, b.leaf.z));
     let level = Level::new();
     let edit_row = |row: &mut [LentLeaf], cut: &mut Vec<_>, done: &mut Changed| {
@@ -199,48 +217,6 @@ fn change_bits(
     }
     grid.put_back(leaves);
     done
-}
-
-/// Lists the existing voxels of a region within `bricks`.
-fn voxels_in(grid: &Grid, region: &impl Region, bricks: BrickBox, parallel: bool) -> Changed {
-    let level = Level::new();
-    let slab = |z: u32| {
-        let mut found = Changed::default();
-        let mut cut = Default::default();
-        for y in bricks.min.y..bricks.max.y {
-            let row = BrickRow { x: bricks.min.x..bricks.max.x, y, z };
-            dispatch!(level, simd => row.walk(
-                simd,
-                region,
-                &mut cut,
-                #[inline(always)]
-                |piece| piece.each(
-                    #[inline(always)]
-                    |b| {
-                        let brick = grid.brick(b);
-                        if brick.is_empty() {
-                            return;
-                        }
-                        let mask = piece.mask(b).and(brick);
-                        if !mask.is_empty() {
-                            found.to_paint.push((b, mask));
-                        }
-                    },
-                ),
-            ));
-        }
-        found
-    };
-    let slabs = bricks.min.z..bricks.max.z;
-    let mut found = Changed::default();
-    match parallel {
-        true => {
-            let parts: Vec<Changed> = slabs.into_par_iter().map(slab).collect();
-            parts.into_iter().for_each(|part| found.append(part));
-        }
-        false => slabs.for_each(|z| found.append(slab(z))),
-    }
-    found
 }
 
 /// An edit of the bits of leaves.
@@ -347,7 +323,7 @@ impl<R: Region> LeafWork<'_, R> {
             let now = bits.count();
             if now != count {
                 if self.bits.paint {
-                    done.to_paint.push((b, mask.and_not(&old)));
+                    done.to_paint.bricks.push((b, mask.and_not(&old)));
                 }
                 edit.replace(b, count, &bits, now);
                 done.stats.voxels_added += u64::from(now - count);
@@ -369,165 +345,6 @@ struct CutRow<R: Region> {
 fn bits_of(range: &Range<u32>, x: u32) -> u32 {
     let below = |end: u32| (1u32 << end.saturating_sub(x).min(LEAF_EDGE)) - 1;
     below(range.end) & !below(range.start)
-}
-
-/// Bricks of a row that a region covers alike.
-pub(super) enum RowPiece<'a, S: Simd, R: Region> {
-    /// `len` bricks along x from `first` on, all of them.
-    Whole { first: UVec3, len: u32 },
-    /// The part of one brick that the region, cut by the row, covers.
-    Part { simd: S, brick: UVec3, region: &'a R, cut: &'a R::Row, reach: &'a RowReach },
-}
-
-impl<S: Simd, R: Region> RowPiece<'_, S, R> {
-    /// Calls `f` with each brick.
-    #[inline(always)]
-    pub fn each(&self, mut f: impl FnMut(UVec3)) {
-        let (first, len) = match *self {
-            RowPiece::Whole { first, len } => (first, len),
-            RowPiece::Part { brick, .. } => (brick, 1),
-        };
-        for i in 0..len {
-            f(first + UVec3::X * i);
-        }
-    }
-
-    /// Returns the covered voxels of a brick.
-    #[inline(always)]
-    pub fn mask(&self, brick: UVec3) -> Brick {
-        match self {
-            RowPiece::Whole { .. } => Brick::FULL,
-            RowPiece::Part { simd, region, cut, reach, .. } => {
-                region.mask(*simd, cut, reach, brick.x)
-            }
-        }
-    }
-}
-
-/// Returns the brush for `colour`, unless painting with it cannot change anything.
-fn brush_for(contents: &Contents, colour: Rgb) -> Option<Brush> {
-    let material = &contents.material;
-    let all_alike =
-        material.page_count() == 0 && material.depth().quantise(colour) == material.base();
-    (material.depth().bytes() > 0 && !all_alike).then(|| material.brush(colour))
-}
-
-/// Returns a quick upper bound for [`count_new_pages`]; `None` if `op` paints nothing new.
-pub(crate) fn max_new_pages(contents: &Contents, region: &impl Region, op: EditOp) -> Option<u64> {
-    let (EditOp::Add(Some(colour)) | EditOp::Recolour(colour)) = op else { return None };
-    let Contents { grid, material, .. } = contents;
-    let new = brush_for(contents, colour).is_some_and(|brush| !brush.is_base());
-    let bricks = BrickBox::around(region, grid).filter(|_| new)?;
-    Some(bricks.brick_count().min((grid.brick_count() - material.page_count()) as u64))
-}
-
-/// Returns the number of colour pages that `op` would make.
-pub fn count_new_pages(contents: &Contents, region: &impl Region, op: EditOp) -> u64 {
-    let Some(bricks) = BrickBox::around(region, &contents.grid) else { return 0 };
-    dispatch!(Level::new(), simd => {
-        let mut pages = 0;
-        let mut cut = Default::default();
-        for z in bricks.min.z..bricks.max.z {
-            for y in bricks.min.y..bricks.max.y {
-                let row = BrickRow { x: bricks.min.x..bricks.max.x, y, z };
-                row.walk(
-                    simd,
-                    region,
-                    &mut cut,
-                    #[inline(always)]
-                    |piece| pages += new_pages_of(piece, contents, op),
-                );
-            }
-        }
-        pages
-    })
-}
-
-/// Returns the number of colour pages that `op` would make in a piece.
-#[inline(always)]
-fn new_pages_of(piece: RowPiece<impl Simd, impl Region>, contents: &Contents, op: EditOp) -> u64 {
-    let Contents { grid, material, .. } = contents;
-    let mut pages = 0;
-    piece.each(
-        #[inline(always)]
-        |b| {
-            let index = grid.brick_index(b);
-            if material.page(index).is_some() {
-                return;
-            }
-            let (mask, old) = (piece.mask(b), grid.brick_at(index));
-            let painted = match op {
-                EditOp::Add(_) => mask.and(&grid.valid_mask(b)).and_not(old),
-                EditOp::Recolour(_) => mask.and(old),
-                EditOp::Subtract => Brick::EMPTY,
-            };
-            pages += u64::from(!painted.is_empty());
-        },
-    );
-    pages
-}
-
-/// Paints the voxels listed for a band. Returns the number of new pages.
-fn paint_band(
-    brush: &Brush,
-    first: u32,
-    pages: &mut [Option<Page>],
-    record: &mut PageRecord,
-    pages_kept: &IndexSet,
-    recolour: bool,
-) -> usize {
-    let mut made = 0;
-    for (index, mask) in record.to_paint.drain(..) {
-        let page = &mut pages[(index - first) as usize];
-        let differing = brush.differing(page.as_deref(), &mask);
-        if differing.is_empty() {
-            continue;
-        }
-        if !pages_kept.contains(index) {
-            record.earlier.push((index, page.clone()));
-        }
-        made += usize::from(brush.paint(page, &differing));
-        record.changed.push(index);
-        if recolour {
-            record.stats.voxels_recoloured += u64::from(differing.count());
-            record.stats.bricks_changed += 1;
-        }
-    }
-    made
-}
-
-/// A row of bricks along x, in brick coordinates.
-pub(super) struct BrickRow {
-    pub x: Range<u32>,
-    pub y: u32,
-    pub z: u32,
-}
-
-impl BrickRow {
-    /// Intersects the region with this row and calls `f` with the covered pieces, in ascending order.
-    #[inline(always)]
-    pub fn walk<S: Simd, R: Region>(
-        self,
-        simd: S,
-        region: &R,
-        cut: &mut R::Row,
-        mut f: impl FnMut(RowPiece<S, R>),
-    ) {
-        let reach = region.cut_row(simd, self.y * BRICK_EDGE_VX, self.z * BRICK_EDGE_VX, cut);
-        let end = reach.touched.end.min(self.x.end);
-        let mut x = reach.touched.start.max(self.x.start);
-        let whole = reach.whole.start.max(x)..reach.whole.end.min(end);
-        while x < end {
-            let brick = UVec3::new(x, self.y, self.z);
-            if x == whole.start && !whole.is_empty() {
-                f(RowPiece::Whole { first: brick, len: whole.end - x });
-                x = whole.end;
-            } else {
-                f(RowPiece::Part { simd, brick, region, cut, reach: &reach });
-                x += 1;
-            }
-        }
-    }
 }
 
 #[cfg(test)]
@@ -605,18 +422,14 @@ mod tests {
             let mut contents = Contents::new(grid, material);
             let start = contents.clone();
             let (mut recorder, mut dirty) =
-                (StrokeRecorder::new(&contents.grid), BrickSet::default());
+                (StrokeRecorder::default(), BrickSet::default());
             let (a, b) = (IVec3::from(corners[0]), IVec3::from(corners[1]));
             let red = Rgb::new(255, 0, 0);
             for (i, seed) in seeds.into_iter().enumerate() {
                 let region = Scattered { bounds: VoxelBox { min: a.min(b), max: a.max(b) }, seed };
                 let op = [EditOp::Add(Some(red)), EditOp::Subtract, EditOp::Recolour(red)][i % 3];
                 let before = contents.clone();
-                let pages = count_new_pages(&contents, &region, op);
-                prop_assert!(max_new_pages(&contents, &region, op).is_none_or(|most| pages <= most));
                 edit(&mut contents, &region, op, &mut recorder, &mut dirty);
-                let made = contents.material.page_count() - before.material.page_count();
-                prop_assert_eq!(made as u64, if op == EditOp::Subtract { 0 } else { pages });
                 for index in 0..before.grid.brick_count() {
                     let b = before.grid.brick_coords(index);
                     let mask = region.brick(b).and(&before.grid.valid_mask(b));
@@ -629,8 +442,8 @@ mod tests {
                     prop_assert_eq!(new, expected);
                     for local in 0..512 {
                         let [x, y, z] = local_coords(local);
-                        let is = contents.material.rgb(index, local);
-                        let was = before.material.rgb(index, local);
+                        let is = contents.material.rgb(b, local);
+                        let was = before.material.rgb(b, local);
                         prop_assert_eq!(is, if painted.get(x, y, z) { red } else { was });
                     }
                 }
@@ -653,7 +466,7 @@ mod tests {
             let mut dims = UVec3::from(dims);
             dims[long] *= 7;
             let mut contents = Contents::of_bits(Grid::new(dims, Vec3::ONE, 1 << 30).unwrap());
-            let mut recorder = StrokeRecorder::new(&contents.grid);
+            let mut recorder = StrokeRecorder::default();
             let mut records = Vec::new();
             for edits in edits.chunks(edits.len().div_ceil(strokes)) {
                 let start = contents.clone();

@@ -1,4 +1,4 @@
-//! Counts of an edit's changes, which a stroke sums up over the bands of the grid.
+//! Counts of an edit's changes, which a stroke sums up.
 //!
 //! Holds numbers only; knows neither edits nor strokes.
 

@@ -14,9 +14,8 @@ use std::sync::Arc;
 use glam::{IVec3, UVec3, Vec3};
 use thiserror::Error;
 
-use self::extent::Extent;
 use self::lend::{close, open, slot_in};
-use self::node::{NODE_EDGE_LOG2, Slot, TreeNode};
+use self::node::TreeNode;
 use super::brick::{BRICK_EDGE_VX, Brick};
 pub(in crate::sculpture) use super::brick_set::LeafKey;
 use crate::refusal::{InvalidValue, MemoryBudget, OverBudget};
@@ -27,15 +26,18 @@ mod leaf_edit;
 mod lend;
 mod node;
 mod read;
+mod visit;
 mod walls;
 mod word_reader;
 
 pub(crate) use build::BrickRun;
+pub(in crate::sculpture) use extent::Extent;
 pub(in crate::sculpture) use leaf_edit::LeafEdit;
 use leaf_edit::row_of;
 pub(in crate::sculpture) use lend::{
     ChangedLeaf, Cube, CubeEdit, LeafPlace, Lent, LentLeaf, OldLeaf,
 };
+pub(in crate::sculpture) use node::{NODE_EDGE_LOG2, Slot};
 
 pub use walls::voxels_at_walls;
 pub use word_reader::WordReader;

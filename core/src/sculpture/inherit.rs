@@ -12,6 +12,7 @@ use super::brick::{BRICK_EDGE_VX, local_coords};
 use super::colour::Rgb;
 use super::contents::Contents;
 use super::region::ListedBricks;
+use super::to_paint::growth_of_bricks;
 
 /// The distance up to which a voxel without neighbours searches for existing voxels: that of the widest majority
 /// filter.
@@ -81,16 +82,16 @@ impl Inherited {
         self.0.get(&v).copied()
     }
 
-    /// Returns the number of new colour pages that painting the voxels takes.
-    pub(crate) fn new_pages(&self, contents: &Contents) -> u64 {
-        let Contents { grid, material, .. } = contents;
-        let painted = self
-            .0
-            .iter()
-            .filter(|(_, colour)| material.depth().quantise(**colour) != material.base());
-        let bricks = painted.map(|(v, _)| grid.brick_index(*v / BRICK_EDGE_VX));
-        let new: HashSet<usize> = bricks.filter(|brick| material.page(*brick).is_none()).collect();
-        new.len() as u64
+    /// Returns an upper bound of the bytes by which painting the voxels makes the colours larger.
+    pub(crate) fn growth(&self, contents: &Contents) -> u64 {
+        let material = &contents.material;
+        let is_painted = |(v, colour): &(&UVec3, &Rgb)| {
+            material.page(**v / BRICK_EDGE_VX).is_some()
+                || material.depth().quantise(**colour) != material.base()
+        };
+        let painted = self.0.iter().filter(is_painted);
+        let bricks: HashSet<UVec3> = painted.map(|(v, _)| *v / BRICK_EDGE_VX).collect();
+        growth_of_bricks(material, bricks)
     }
 }
 

@@ -1,53 +1,75 @@
-//! The colours of one sculpture: a page of 512 packed colours for each painted brick, and one base
-//! colour for all other voxels.
+//! The colours of one sculpture: a page of 512 packed colours for each painted brick, and one base colour for all other
+//! voxels.
 //!
-//! Addressed by linear brick index ([`Grid::brick_index`]) and voxel index in the brick
+//! Pages lie under a tree of nodes of 8^3 children each (`material/node.rs`), and take as little memory as their colours
+//! need (`material/page.rs`): cubes of one colour take no more than a word, whatever their size, and a copy of the
+//! colours shares everything until one of the two changes. Addressed by brick coordinates and voxel index in the brick
 //! ([`super::brick::local_index`]). Independent of existence: a page may hold a colour for a voxel that does not exist.
+//!
+//! A brick whose voxels have all been painted in the base colour keeps its page: it is not the same as an unpainted one.
 
-use std::collections::TryReserveError;
-use std::ops::Range;
+use glam::UVec3;
 
-use rayon::prelude::*;
-
+use self::node::{CHILD_BYTES, CHILDREN, NODE_BYTES};
+use self::page::SHARED_BYTES;
 use super::brick::{BRICK_VOXELS, Brick};
 use super::colour::{ColourDepth, Rgb};
-use super::grid::Grid;
-use super::memory;
+use super::grid::{Extent, Grid, NODE_EDGE_LOG2};
 
-/// The packed colours of one brick, in the order of [`super::brick::local_index`].
-pub type Page = Box<[u8]>;
+mod growth;
+mod node;
+mod page;
+mod paint;
+mod palette;
+mod read;
+mod replace;
+#[cfg(test)]
+mod tests;
 
-/// An edit of the pages of a band. Gets the linear index of its first brick, the pages, and the band's state; returns
-/// the number of pages that it has made.
-pub type BandEdit<'a, S> = dyn Fn(u32, &mut [Option<Page>], &mut S) -> usize + Sync + 'a;
+pub(crate) use growth::ColourGrowth;
+pub use node::ColourCube;
+pub(crate) use node::PaintedChild;
+pub use page::{MAX_PAGE_BYTES, PackedColour, Page, PageView};
+pub(in crate::sculpture) use paint::Painted;
+pub use read::PageReader;
+pub(crate) use replace::KeptLeaf;
 
 /// Colour per voxel, stored only where painted.
-#[derive(Clone, PartialEq, Debug)]
+#[derive(Clone, Debug)]
 pub struct Material {
     depth: ColourDepth,
     base: Rgb,
-    brick_count: usize,
-    /// One entry per brick; empty until the first page is made.
-    pages: Vec<Option<Page>>,
-    page_count: usize,
+    extent: Extent,
+    /// The level of the root: a cube of that level holds all bricks.
+    levels: u32,
+    root: Option<PaintedChild>,
+}
+
+impl PartialEq for Material {
+    fn eq(&self, other: &Material) -> bool {
+        // The root last, since only it takes time.
+        (self.depth, self.base, self.extent.bricks)
+            == (other.depth, other.base, other.extent.bricks)
+            && self.root == other.root
+    }
 }
 
 impl Material {
-    /// Returns a material without painted voxels, for a grid of `brick_count` bricks: all have `base`, quantised to
-    /// `depth`.
-    pub fn new(depth: ColourDepth, base: Rgb, brick_count: usize) -> Material {
+    /// Returns a material without painted voxels, for a grid of `dims` voxels: all have `base`, quantised to `depth`.
+    pub fn new(depth: ColourDepth, base: Rgb, dims: UVec3) -> Material {
+        let extent = Extent::new(dims);
         Material {
             depth,
             base: depth.quantise(base),
-            brick_count,
-            pages: Vec::new(),
-            page_count: 0,
+            levels: levels_of(extent.bricks),
+            extent,
+            root: None,
         }
     }
 
     /// Returns a material without painted voxels for `grid`: all have `base`, quantised to `depth`.
     pub fn for_grid(grid: &Grid, depth: ColourDepth, base: Rgb) -> Material {
-        Material::new(depth, base, grid.brick_count())
+        Material::new(depth, base, grid.dims())
     }
 
     /// Returns the bits of colour per voxel.
@@ -60,278 +82,125 @@ impl Material {
         self.base
     }
 
-    /// Returns the bytes of one page.
+    /// Returns the bytes of the colours of a brick, one by one.
     pub fn page_bytes(&self) -> usize {
         BRICK_VOXELS as usize * self.depth.bytes()
     }
 
     /// Returns the number of bricks that have a page.
     pub fn page_count(&self) -> usize {
-        self.page_count
+        self.root.as_ref().map_or(0, |root| root.pages(self.whole(), &self.extent)) as usize
     }
 
-    /// Returns the heap bytes in use.
+    /// Returns the heap bytes of the colours, shared or not.
     pub fn heap_bytes(&self) -> u64 {
-        (self.pages.capacity() * size_of::<Option<Page>>() + self.page_count * self.page_bytes())
-            as u64
+        self.root.as_ref().map_or(0, |root| root.heap_bytes() as u64)
     }
 
-    /// Returns the heap bytes in use once `pages` more bricks are painted.
-    pub fn bytes_with(&self, pages: u64) -> u64 {
-        let table = self.pages.capacity().max(self.brick_count) * size_of::<Option<Page>>();
-        table as u64 + (self.page_count as u64 + pages) * self.page_bytes() as u64
+    /// Returns an upper bound of the heap bytes that `pages` pages of `page_bytes` heap bytes take in colours without
+    /// others. No page takes more than a colour for each voxel.
+    pub(crate) fn bytes_for_pages(&self, pages: u64, page_bytes: u64) -> u64 {
+        self.most_for_pages(pages).min(page_bytes).saturating_add(self.node_bytes(pages))
     }
 
-    /// Returns the colour of voxel `local` (0..512) of brick `brick`.
+    /// Returns the most heap bytes of `pages` pages, without their nodes.
+    fn most_for_pages(&self, pages: u64) -> u64 {
+        pages.saturating_mul((self.page_bytes() + SHARED_BYTES) as u64)
+    }
+
+    /// Returns the page of an unpainted brick, once it is painted in the base colour.
+    pub fn base_page(&self) -> Page {
+        Page::uniform(self.base, self.depth)
+    }
+
+    /// Returns the part of the tree that is a cube; if it lies within a larger cube of one colour, the page of that.
+    pub(in crate::sculpture) fn find(&self, cube: ColourCube) -> Option<&PaintedChild> {
+        let (mut child, mut at) = (self.root.as_ref()?, self.whole());
+        while at.level > cube.level {
+            let PaintedChild::Node(node) = child else { return Some(child) };
+            let slot = at.slot_of(cube.low);
+            (child, at) = (node.child(slot)?, at.child(slot));
+        }
+        Some(child)
+    }
+
+    /// Returns the page of the brick at `b`, if it has been painted.
     #[inline]
-    pub fn rgb(&self, brick: usize, local: u32) -> Rgb {
-        match self.page(brick) {
-            Some(page) => {
-                let at = local as usize * self.depth.bytes();
-                self.depth.read(&page[at..])
-            }
-            None => self.base,
+    pub fn page(&self, b: UVec3) -> Option<PageView<'_>> {
+        match self.find(ColourCube { low: b, level: 0 }) {
+            Some(PaintedChild::Page(page)) => Some(PageView { page, depth: self.depth }),
+            _ => None,
         }
     }
 
-    /// Returns the page of a brick, if it has been painted.
+    /// Returns the colour of voxel `local` (0..512) of the brick at `b`.
     #[inline]
-    pub fn page(&self, brick: usize) -> Option<&[u8]> {
-        self.pages.get(brick).and_then(|p| p.as_deref())
+    pub fn rgb(&self, b: UVec3, local: u32) -> Rgb {
+        self.page(b).map_or(self.base, |page| page.rgb(local))
     }
 
-    /// Gives the voxels of `mask` in brick `brick` the colour `colour`. Does nothing without colour depth. Makes a page
-    /// only if the colour of a voxel of `mask` changes.
-    pub fn paint(&mut self, brick: usize, mask: &Brick, colour: Rgb) {
-        let brush = self.brush(colour);
-        let differing = brush.differing(self.page(brick), mask);
-        if !differing.is_empty() {
-            self.make_room();
-            self.page_count += usize::from(brush.paint(&mut self.pages[brick], &differing));
-        }
+    /// Returns a reader of pages.
+    pub fn reader(&self) -> PageReader<'_> {
+        PageReader::new(self)
     }
 
-    /// Returns a colour prepared for painting many bricks of this sculpture.
-    pub fn brush(&self, colour: Rgb) -> Brush {
-        Brush::new(self.depth, self.base, colour)
+    /// Returns an upper bound of the bytes by which painting `bricks` bricks, wherever they are and in whatever colours,
+    /// makes the colours larger.
+    pub(crate) fn most_growth(&self, bricks: u64) -> u64 {
+        // Opened cubes of one colour have all children.
+        let opened = self.nodes_for(bricks) * (CHILDREN * CHILD_BYTES) as u64;
+        self.most_for_pages(bricks).saturating_add(self.node_bytes(bricks)).saturating_add(opened)
     }
 
-    /// Calls `f` for each of the bands `bands` of `bricks_per_band` bricks, on all threads if `parallel`. `f` gets the
-    /// linear index of the band's first brick, its pages, and its entry of `states` (one per band of the grid), and
-    /// returns the number of pages it has added.
-    pub(crate) fn edit_bands<S: Send>(
-        &mut self,
-        bricks_per_band: usize,
-        bands: Range<usize>,
-        parallel: bool,
-        states: &mut [S],
-        f: &BandEdit<'_, S>,
-    ) {
-        self.make_room();
-        let end = (bands.end * bricks_per_band).min(self.pages.len());
-        let pages = &mut self.pages[bands.start * bricks_per_band..end];
-        let states = &mut states[bands.clone()];
-        let work = |i: usize, pages: &mut [Option<Page>], state: &mut S| {
-            f(((bands.start + i) * bricks_per_band) as u32, pages, state)
+    /// Returns an upper bound of the bytes of nodes over `bricks` new pages.
+    fn node_bytes(&self, bricks: u64) -> u64 {
+        // Each page and each node but the root is in one list.
+        let nodes = self.nodes_for(bricks);
+        let listed = (nodes + bricks).saturating_sub(1);
+        nodes * NODE_BYTES as u64 + listed.saturating_mul(CHILD_BYTES as u64)
+    }
+
+    /// Returns the most nodes that hold some of `bricks` bricks.
+    fn nodes_for(&self, bricks: u64) -> u64 {
+        let of_level = |level: u32| {
+            let edge = 1 << (NODE_EDGE_LOG2 * level);
+            let all = ((self.extent.bricks + (edge - 1)) / edge).as_u64vec3().element_product();
+            all.min(bricks)
         };
-        self.page_count += if parallel {
-            let bands = pages.par_chunks_mut(bricks_per_band).zip(states).enumerate();
-            bands.map(|(i, (pages, state))| work(i, pages, state)).sum::<usize>()
-        } else {
-            let bands = pages.chunks_mut(bricks_per_band).zip(states).enumerate();
-            bands.map(|(i, (pages, state))| work(i, pages, state)).sum::<usize>()
-        };
-        self.drop_empty_table();
+        (1..=self.levels).map(of_level).sum()
     }
 
-    /// Gives each voxel of `mask` in brick `brick` the colour that `colour` returns for its local index.
-    pub fn paint_each(&mut self, brick: usize, mask: &Brick, colour: impl Fn(u32) -> Rgb) {
-        let (depth, bytes) = (self.depth, self.depth.bytes());
-        if bytes == 0 || mask.is_empty() {
+    /// Returns the cube of the whole tree.
+    pub(in crate::sculpture) fn whole(&self) -> ColourCube {
+        ColourCube { low: UVec3::ZERO, level: self.levels }
+    }
+
+    /// Gives the voxels of `mask` in the brick at `b` the colour `colour`. Does nothing without colour depth. Makes a
+    /// page only if the colour of a voxel of `mask` changes.
+    pub fn paint(&mut self, b: UVec3, mask: &Brick, colour: Rgb) {
+        self.paint_bricks(&[(b, *mask)], colour);
+    }
+
+    /// Gives each voxel of `mask` in the brick at `b` the colour that `colour` returns for its local index. Makes a page
+    /// unless the mask is empty.
+    pub fn paint_each(&mut self, b: UVec3, mask: &Brick, colour: impl Fn(u32) -> Rgb) {
+        let (depth, size) = (self.depth, self.depth.bytes());
+        if size == 0 || mask.is_empty() {
             return;
         }
-        let page = self.page_mut(brick);
-        mask.for_each(|i| depth.write(colour(i), &mut page[i as usize * bytes..]));
-    }
-
-    /// Replaces the page of a brick, or its absence, and returns the old one.
-    pub(crate) fn swap_page(&mut self, brick: usize, page: Option<Page>) -> Option<Page> {
-        if page.is_none() && self.pages.is_empty() {
-            return None;
+        let mut bytes = [0; MAX_PAGE_BYTES];
+        let bytes = &mut bytes[..self.page_bytes()];
+        match self.page(b) {
+            Some(page) => _ = page.write_to(bytes),
+            None => bytes.chunks_exact_mut(size).for_each(|out| depth.write(self.base, out)),
         }
-        debug_assert!(page.as_ref().is_none_or(|p| p.len() == self.page_bytes()));
-        self.make_room();
-        self.page_count += usize::from(page.is_some());
-        let before = std::mem::replace(&mut self.pages[brick], page);
-        self.page_count -= usize::from(before.is_some());
-        self.drop_empty_table();
-        before
-    }
-
-    /// Returns a copy, unless the system lacks the memory for it.
-    pub fn copied(&self) -> Result<Material, TryReserveError> {
-        let page = |page: &Option<Page>| page.as_deref().map(copied_page).transpose();
-        let pages = memory::copied_each(&self.pages, page)?;
-        Ok(Material { pages, ..*self })
-    }
-
-    /// Allocates the table of pages, unless the system lacks the memory for it.
-    pub(super) fn try_make_room(&mut self) -> Result<(), TryReserveError> {
-        if self.pages.is_empty() {
-            self.pages = memory::filled(None, self.brick_count)?;
-        }
-        Ok(())
-    }
-
-    /// Frees the table when no page is left, so that the material equals one never painted.
-    fn drop_empty_table(&mut self) {
-        if self.page_count == 0 {
-            self.pages = Vec::new();
-        }
-    }
-
-    fn make_room(&mut self) {
-        if self.pages.is_empty() {
-            // Exactly: the memory was checked before.
-            self.pages.reserve_exact(self.brick_count);
-            self.pages.resize(self.brick_count, None);
-        }
-    }
-
-    fn page_mut(&mut self, brick: usize) -> &mut [u8] {
-        self.make_room();
-        let (depth, base, len) = (self.depth, self.base, self.page_bytes());
-        let page_count = &mut self.page_count;
-        self.pages[brick].get_or_insert_with(|| {
-            *page_count += 1;
-            let mut page = vec![0; len].into_boxed_slice();
-            fill(&mut page, depth, base);
-            page
-        })
+        mask.for_each(|i| depth.write(colour(i), &mut bytes[i as usize * size..]));
+        self.set_page(b, Some(Page::of_bytes(bytes, depth)));
     }
 }
 
-/// Returns a copy of a page, unless the system lacks the memory for it.
-pub(super) fn copied_page(page: &[u8]) -> Result<Page, TryReserveError> {
-    memory::copied(page).map(Vec::into_boxed_slice)
-}
-
-/// Bytes of the largest page.
-const MAX_PAGE_BYTES: usize = BRICK_VOXELS as usize * 3;
-
-/// A colour prepared for painting: packed, with pages to copy from.
-#[derive(Clone, Debug)]
-pub struct Brush {
-    packed: [u8; 3],
-    bytes: usize,
-    /// Whether it is the base colour.
-    is_base: bool,
-    base_page: [u8; MAX_PAGE_BYTES],
-    full_page: [u8; MAX_PAGE_BYTES],
-}
-
-impl Brush {
-    fn new(depth: ColourDepth, base: Rgb, colour: Rgb) -> Brush {
-        let mut brush = Brush {
-            packed: [0; 3],
-            bytes: depth.bytes(),
-            is_base: depth.quantise(colour) == base,
-            base_page: [0; MAX_PAGE_BYTES],
-            full_page: [0; MAX_PAGE_BYTES],
-        };
-        let len = BRICK_VOXELS as usize * depth.bytes();
-        depth.write(colour, &mut brush.packed);
-        fill(&mut brush.base_page[..len], depth, base);
-        fill(&mut brush.full_page[..len], depth, colour);
-        brush
-    }
-
-    /// Returns whether the colour is the base colour.
-    pub(crate) fn is_base(&self) -> bool {
-        self.is_base
-    }
-
-    /// Returns the voxels of `mask` that the brush would change on a page; none without colour depth.
-    pub fn differing(&self, page: Option<&[u8]>, mask: &Brick) -> Brick {
-        let Some(page) = page else {
-            return if self.is_base || self.bytes == 0 { Brick::EMPTY } else { *mask };
-        };
-        let packed = &self.packed[..self.bytes];
-        let mut differing = Brick::EMPTY;
-        mask.for_each(|i| {
-            let at = i as usize * self.bytes;
-            let differs = page[at..at + self.bytes] != *packed;
-            differing.words[i as usize / 64] |= u64::from(differs) << (i % 64);
-        });
-        differing
-    }
-
-    /// Gives the voxels of `mask` the colour. Adds a page if there is none, and returns whether it did. Only for a
-    /// sculpture with colour depth.
-    pub fn paint(&self, page: &mut Option<Page>, mask: &Brick) -> bool {
-        let len = BRICK_VOXELS as usize * self.bytes;
-        let made = page.is_none();
-        if mask.is_full() {
-            match page {
-                Some(page) => page.copy_from_slice(&self.full_page[..len]),
-                None => *page = Some(self.full_page[..len].into()),
-            }
-            return made;
-        }
-        let page = page.get_or_insert_with(|| self.base_page[..len].into());
-        mask.for_each(|i| {
-            let at = i as usize * self.bytes;
-            page[at..at + self.bytes].copy_from_slice(&self.packed[..self.bytes]);
-        });
-        made
-    }
-}
-
-/// Fills a page, or the start of one, with one colour.
-fn fill(page: &mut [u8], depth: ColourDepth, colour: Rgb) {
-    if depth.bytes() > 0 {
-        page.chunks_exact_mut(depth.bytes()).for_each(|out| depth.write(colour, out));
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const RED: Rgb = Rgb::new(255, 0, 0);
-    const GREY: Rgb = Rgb::new(180, 180, 180);
-
-    #[test]
-    fn only_painted_bricks_take_memory() {
-        let mut material = Material::new(ColourDepth::Bits24, GREY, 1000);
-        assert_eq!(material.heap_bytes(), 0);
-        let mut mask = Brick::EMPTY;
-        mask.set(3, 4, 5, true);
-        material.paint(7, &mask, GREY);
-        assert_eq!(material.heap_bytes(), 0, "painting the base colour needs no page");
-        material.paint(7, &mask, RED);
-        assert_eq!(material.page_count(), 1);
-        assert_eq!(material.rgb(7, super::super::brick::local_index(3, 4, 5)), RED);
-        assert_eq!(material.rgb(7, 0), GREY);
-        assert_eq!(material.rgb(8, 0), GREY);
-    }
-
-    #[test]
-    fn swapping_a_page_back_restores_identical_contents() {
-        let mut material = Material::new(ColourDepth::Bits16, GREY, 10);
-        material.paint(1, &Brick::FULL, RED);
-        let before = material.clone();
-        let old = material.swap_page(1, None);
-        assert_eq!(material.page_count(), 0);
-        assert_eq!(material.swap_page(1, old), None);
-        assert_eq!(material, before);
-    }
-
-    #[test]
-    fn a_sculpture_without_colours_never_makes_a_page() {
-        let mut material = Material::new(ColourDepth::None, GREY, 10);
-        material.paint(0, &Brick::FULL, RED);
-        material.paint_each(0, &Brick::FULL, |_| RED);
-        assert_eq!((material.heap_bytes(), material.rgb(0, 9)), (0, GREY));
-    }
+/// Returns the level of the cube of the whole tree, of so many bricks along each axis.
+pub(crate) fn levels_of(bricks: UVec3) -> u32 {
+    let edge = bricks.max_element();
+    (1..).find(|&level| edge <= 1 << (NODE_EDGE_LOG2 * level)).unwrap_or(1)
 }

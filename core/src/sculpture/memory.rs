@@ -19,40 +19,10 @@ impl NoMemory {
     }
 }
 
-/// Returns an error unless the system provides so many bytes now. They are not kept.
-pub fn probe(bytes: usize) -> Result<(), TryReserveError> {
-    let mut room = Vec::<u8>::new();
-    room.try_reserve_exact(bytes)?;
-    // Otherwise the allocation could be optimised away.
-    std::hint::black_box(&room);
-    Ok(())
-}
-
-/// Returns a list of `count` equal values.
-pub fn filled<T: Clone>(value: T, count: usize) -> Result<Vec<T>, TryReserveError> {
-    let mut list = Vec::new();
-    list.try_reserve_exact(count)?;
-    list.resize(count, value);
-    Ok(list)
-}
-
-/// Returns a copy of a list of plain values.
-pub fn copied<T: Copy>(values: &[T]) -> Result<Vec<T>, TryReserveError> {
+/// Returns a copy of a list of values whose own copies need no memory.
+pub fn copied<T: Clone>(values: &[T]) -> Result<Vec<T>, TryReserveError> {
     let mut list = Vec::new();
     list.try_reserve_exact(values.len())?;
     list.extend_from_slice(values);
-    Ok(list)
-}
-
-/// Returns a list of copies that may need memory themselves.
-pub(crate) fn copied_each<T>(
-    values: &[T],
-    copy: impl Fn(&T) -> Result<T, TryReserveError>,
-) -> Result<Vec<T>, TryReserveError> {
-    let mut list = Vec::new();
-    list.try_reserve_exact(values.len())?;
-    for value in values {
-        list.push(copy(value)?);
-    }
     Ok(list)
 }

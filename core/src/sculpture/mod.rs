@@ -9,6 +9,7 @@ pub mod brick;
 pub mod brick_set;
 pub mod clip;
 pub mod colour;
+pub mod colour_record;
 mod contents;
 pub mod digest;
 pub mod edit;
@@ -29,6 +30,7 @@ pub mod record;
 pub mod region;
 pub mod selection;
 pub mod stroke;
+pub(crate) mod to_paint;
 pub mod vectors;
 
 pub use brick::Brick;

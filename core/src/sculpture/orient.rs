@@ -12,7 +12,7 @@ use thiserror::Error;
 
 use super::brick::{BRICK_EDGE_VX, BRICK_VOXELS, Brick, BrickKind, local_coords, local_index};
 use super::contents::Contents;
-use super::material::Page;
+use super::material::{MAX_PAGE_BYTES, Page, PageView};
 use super::orientation::Orientation;
 use super::{Grid, GridError, Limits, Material};
 use crate::progress::Progress;
@@ -62,10 +62,13 @@ impl<'a> Reorientation<'a> {
             (before.bitmask() * BRICK_VOXELS + local_index(x, y, z)) as u16
         });
         let sources = sources.collect();
-        let (depth, mut base) = (from.material.depth(), [0; 3]);
-        depth.write(from.material.base(), &mut base);
-        let base_page = base[..depth.bytes()].repeat(BRICK_VOXELS as usize).into_boxed_slice();
-        Reorientation { from, orientation, sources, overlapped, base_page }
+        Reorientation {
+            from,
+            orientation,
+            sources,
+            overlapped,
+            base_page: from.material.base_page(),
+        }
     }
 
     /// Returns whether the inverse orientation restores every byte: bricks become bricks, or there are no pages of
@@ -86,7 +89,7 @@ impl<'a> Reorientation<'a> {
         let Contents { grid, material, mask, surface } = self.from;
         let voxel_size = Vec3::from(self.orientation.permuted(grid.voxel_size().to_array()));
         Grid::check(self.dims(), voxel_size, limits.grid_bytes)?;
-        let mut colours = Material::new(material.depth(), material.base(), grid.brick_count());
+        let mut colours = Material::new(material.depth(), material.base(), self.dims());
         self.check_colour_memory(&colours, limits.colour_bytes)?;
         let mut turned = Grid::new(self.dims(), voxel_size, limits.grid_bytes)?;
 
@@ -113,11 +116,11 @@ impl<'a> Reorientation<'a> {
                 }
                 progress.advance(layer as f32 / layers as f32);
                 let bricks = (layer * per_layer..(layer + 1) * per_layer).into_par_iter();
-                let page = |at: usize| self.page(turned.brick_coords(at)).map(|page| (at, page));
-                let pages: Vec<(usize, Page)> = bricks.filter_map(page).collect();
-                for (at, page) in pages {
-                    colours.swap_page(at, Some(page));
-                }
+                let page = |at: usize| {
+                    let b = turned.brick_coords(at);
+                    self.page(b).map(|page| (b, page))
+                };
+                colours.set_pages(bricks.filter_map(page).collect());
             }
             progress.end();
         }
@@ -135,9 +138,8 @@ impl<'a> Reorientation<'a> {
         }
     }
 
-    /// Returns the indices of the bricks that the new brick at `b` overlaps, by their numbers; `None` beyond the
-    /// border.
-    fn overlapped_bricks(&self, b: UVec3) -> [Option<usize>; 8] {
+    /// Returns the bricks that the new brick at `b` overlaps, by their numbers; `None` beyond the border.
+    fn overlapped_bricks(&self, b: UVec3) -> [Option<UVec3>; 8] {
         let grid = &self.from.grid;
         let last = self.orientation.source(b.as_ivec3(), grid.brick_dims());
         std::array::from_fn(|number| {
@@ -146,7 +148,7 @@ impl<'a> Reorientation<'a> {
             }
             let before = IVec3::new(number as i32 & 1, number as i32 >> 1 & 1, number as i32 >> 2);
             let at = last - before;
-            at.cmpge(IVec3::ZERO).all().then(|| grid.brick_index(at.as_uvec3()))
+            at.cmpge(IVec3::ZERO).all().then(|| at.as_uvec3())
         })
     }
 
@@ -154,7 +156,8 @@ impl<'a> Reorientation<'a> {
         let grid = &self.from.grid;
         let overlapped = self.overlapped_bricks(b);
         let all_are = |wanted: BrickKind| {
-            overlapped.iter().flatten().all(|&at| grid.brick_kind(at) == wanted)
+            let mut known = overlapped.iter().flatten();
+            known.all(|&at| grid.brick_kind(grid.brick_index(at)) == wanted)
         };
         if all_are(BrickKind::Empty) {
             return Brick::EMPTY;
@@ -163,7 +166,7 @@ impl<'a> Reorientation<'a> {
         if all_are(BrickKind::Full) {
             return Brick::FULL;
         }
-        let brick = |at: Option<usize>| at.map_or(Brick::EMPTY, |at| *grid.brick_at(at));
+        let brick = |at: Option<UVec3>| at.map_or(Brick::EMPTY, |at| *grid.brick(at));
         let from = overlapped.map(brick);
         let mut turned = Brick::EMPTY;
         for (word, sources) in turned.words.iter_mut().zip(self.sources.as_chunks::<64>().0) {
@@ -189,15 +192,29 @@ impl<'a> Reorientation<'a> {
     /// Performs [`Self::page`] for colours of `B` bytes.
     fn page_of<const B: usize>(&self, b: UVec3) -> Option<Page> {
         let material = &self.from.material;
+        let depth = material.depth();
         let pages = self.overlapped_bricks(b).map(|at| at.and_then(|at| material.page(at)));
-        if pages.iter().all(Option::is_none) {
-            return None;
+        let first = pages.iter().flatten().next()?;
+        // One brick, or several, of one colour.
+        let is_one = |number: usize| {
+            let page = pages[number].filter(|page| page.uniform().is_some());
+            self.overlapped >> number & 1 == 0 || page == Some(*first)
+        };
+        let is_kept = self.overlapped == 1 || *first != PageView::of(&self.base_page, depth);
+        if (0..8).all(is_one) {
+            return is_kept.then(|| first.to_page());
         }
-        let from = pages.map(|page| page.unwrap_or(&self.base_page).as_chunks::<B>().0);
-        let mut turned = self.base_page.clone();
+        let mut buffers = [[0; MAX_PAGE_BYTES]; 8];
+        for (buffer, page) in buffers.iter_mut().zip(&pages) {
+            page.unwrap_or(PageView::of(&self.base_page, depth)).write_to(buffer);
+        }
+        let from = buffers.each_ref().map(|buffer| buffer.as_chunks::<B>().0);
+        let mut turned = [0; MAX_PAGE_BYTES];
+        let turned = &mut turned[..material.page_bytes()];
         for (out, &source) in turned.as_chunks_mut::<B>().0.iter_mut().zip(&self.sources) {
             *out = from[usize::from(source >> 9)][usize::from(source & 511)];
         }
+        let turned = Page::of_bytes(turned, depth);
         // A page that is moved as a whole is kept whatever its colours, so that the inverse is exact.
         (self.overlapped == 1 || turned != self.base_page).then_some(turned)
     }
@@ -208,7 +225,7 @@ impl<'a> Reorientation<'a> {
         let painted = self.from.material.page_count() as u64;
         let bricks = self.from.grid.brick_count();
         let most = (painted * u64::from(self.overlapped.count_ones())).min(bricks as u64);
-        if painted == 0 || colours.bytes_with(most) <= budget {
+        if painted == 0 || colours.bytes_for_pages(most, u64::MAX) <= budget {
             return Ok(());
         }
         let brick_dims = self.orientation.size(self.from.grid.brick_dims());
@@ -216,8 +233,10 @@ impl<'a> Reorientation<'a> {
             let (at, UVec3 { x, y, .. }) = (at as u32, brick_dims);
             UVec3::new(at % x, at / x % y, at / (x * y))
         };
-        let pages = (0..bricks).into_par_iter().filter(|&at| self.page(coords(at)).is_some());
-        let needed = colours.bytes_with(pages.count() as u64);
+        let bytes = |at: usize| self.page(coords(at)).map(|page| (1, page.heap_bytes() as u64));
+        let add = |(a, b): (u64, u64), (c, d): (u64, u64)| (a + c, b + d);
+        let (pages, bytes) = (0..bricks).into_par_iter().filter_map(bytes).reduce(|| (0, 0), add);
+        let needed = colours.bytes_for_pages(pages, bytes);
         if needed <= budget {
             return Ok(());
         }
@@ -235,7 +254,7 @@ mod tests {
     /// Returns voxels and colours scattered by a simple rule, with some colours where there is no voxel.
     fn scattered(dims: UVec3, depth: ColourDepth, salt: u32) -> Contents {
         let mut grid = Grid::new(dims, Vec3::new(1.0, 2.0, 3.0), 1 << 30).unwrap();
-        let mut material = Material::new(depth, Rgb::STONE, grid.brick_count());
+        let mut material = Material::new(depth, Rgb::STONE, dims);
         let hash = |v: UVec3| {
             let mixed = v.x.wrapping_mul(0x9E37_79B1) ^ v.y.wrapping_mul(0x85EB_CA77);
             (mixed ^ v.z.wrapping_mul(0xC2B2_AE3D) ^ salt).wrapping_mul(0x27D4_EB2F) >> 16
@@ -252,7 +271,7 @@ mod tests {
                 let [r, g, ..] = hash(b * 8 + UVec3::from(local_coords(local))).to_le_bytes();
                 Rgb([r, g, 7])
             };
-            material.paint_each(at, &valid, colour);
+            material.paint_each(b, &valid, colour);
         }
         Contents::new(grid, material)
     }
@@ -300,8 +319,8 @@ mod tests {
     fn pages_are_counted_before_they_are_made() {
         // One brick is painted; after mirroring, its voxels lie in two.
         let mut from = scattered(UVec3::new(20, 8, 8), ColourDepth::Bits24, 1);
-        (0..3).for_each(|at| drop(from.material.swap_page(at, None)));
-        from.material.paint(1, &Brick::FULL, Rgb::new(1, 2, 3));
+        (0..3).for_each(|x| drop(from.material.set_page(UVec3::new(x, 0, 0), None)));
+        from.material.paint(UVec3::X, &Brick::FULL, Rgb::new(1, 2, 3));
         let mirror = Reorientation::new(&from, Orientation::mirroring(0));
         assert!(!mirror.is_exact());
         let turned = mirror.run(&Limits::default(), &()).unwrap();

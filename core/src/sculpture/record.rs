@@ -11,9 +11,9 @@ use glam::UVec3;
 
 use super::brick::{Brick, local_index};
 use super::brick_set::{BrickSet, LeafKey};
+use super::colour_record::ColourRecord;
 use super::contents::Contents;
 use super::grid::{Grid, OldLeaf};
-use super::material::{Page, copied_page};
 use super::memory;
 
 /// Earlier values of some bricks, each at most once.
@@ -25,8 +25,8 @@ pub struct BrickRecord {
     words: Vec<WordRecord>,
     /// The bits of the mixed bricks, in the order of `words` and their bits.
     mixed_bits: Vec<Brick>,
-    pages: Vec<(u32, Option<Page>)>,
-    page_bytes: usize,
+    /// Earlier colours.
+    colours: Option<Box<ColourRecord>>,
     /// Earlier values of the mask.
     mask: Option<Box<BrickRecord>>,
 }
@@ -163,7 +163,7 @@ impl BrickRecord {
                 mixed_bits.push(brick);
             }
         }
-        BrickRecord::from_parts(words, mixed_bits, Vec::new())
+        BrickRecord::from_parts(words, mixed_bits)
     }
 
     /// Names the recorded bricks of a leaf; the bits of the mixed ones have been kept.
@@ -179,12 +179,6 @@ impl BrickRecord {
                 self.words.push(WordRecord { leaf, word: word as u8, bricks: named, full, mixed });
             }
         }
-    }
-
-    /// Keeps the colour page of a brick, or its absence.
-    pub(crate) fn keep_page(&mut self, index: u32, page: Option<Page>) {
-        self.page_bytes += page.as_ref().map_or(0, |p| p.len());
-        self.pages.push((index, page));
     }
 
     /// Returns the number of words that [`BrickRecord::words`] returns.
@@ -223,21 +217,15 @@ impl BrickRecord {
         &self.mixed_bits
     }
 
-    /// Returns the kept colour pages with the linear indices of their bricks; `None` for a brick without a page.
-    pub fn pages(&self) -> &[(u32, Option<Page>)] {
-        &self.pages
+    /// Returns the earlier colours, if any.
+    pub fn colours(&self) -> Option<&ColourRecord> {
+        self.colours.as_deref()
     }
 
-    /// Adds kept pages to a record without any.
-    pub(crate) fn with_pages(self, pages: Vec<(u32, Option<Page>)>) -> BrickRecord {
-        let page_bytes = bytes_of_pages(&pages);
-        BrickRecord { pages, page_bytes, ..self }
-    }
-
-    /// Takes the kept pages out of the record.
-    pub(super) fn take_pages(&mut self) -> Vec<(u32, Option<Page>)> {
-        self.page_bytes = 0;
-        std::mem::take(&mut self.pages)
+    /// Adds earlier colours to a record without any.
+    pub(crate) fn with_colours(self, colours: ColourRecord) -> BrickRecord {
+        let colours = (!colours.is_empty()).then(|| Box::new(colours));
+        BrickRecord { colours, ..self }
     }
 
     /// Returns the earlier bits of bricks of the mask, if any.
@@ -255,14 +243,9 @@ impl BrickRecord {
         BrickRecord { mask: (!mask.is_empty()).then(|| Box::new(mask)), ..self }
     }
 
-    /// Returns a record of the values of [`BrickRecord::words`], [`BrickRecord::mixed_bits`] and
-    /// [`BrickRecord::pages`]. The words must rise, each brick may be named only once, and there must be bits for each
-    /// mixed brick.
-    pub(crate) fn from_parts(
-        mut words: Vec<WordRecord>,
-        mixed_bits: Vec<Brick>,
-        pages: Vec<(u32, Option<Page>)>,
-    ) -> BrickRecord {
+    /// Returns a record of the values of [`BrickRecord::words`] and [`BrickRecord::mixed_bits`]. The words must rise, each
+    /// brick may be named only once, and there must be bits for each mixed brick.
+    pub(crate) fn from_parts(mut words: Vec<WordRecord>, mixed_bits: Vec<Brick>) -> BrickRecord {
         let is_uniform = |leaf: &[WordRecord]| {
             let [first, ..] = leaf else { return false };
             let same = |word: &WordRecord| word.bricks == u64::MAX && word.full == first.full;
@@ -276,8 +259,7 @@ impl BrickRecord {
             .map(|words| UniformLeaf { leaf: words[0].leaf, was_full: words[0].full != 0 })
             .collect();
         words.retain(|word| uniform.binary_search_by_key(&word.leaf, |leaf| leaf.leaf).is_err());
-        let page_bytes = bytes_of_pages(&pages);
-        let mut record = BrickRecord { uniform, words, mixed_bits, pages, page_bytes, mask: None };
+        let mut record = BrickRecord { uniform, words, mixed_bits, ..BrickRecord::default() };
         record.shrink_to_fit();
         record
     }
@@ -286,13 +268,8 @@ impl BrickRecord {
     pub fn is_empty(&self) -> bool {
         self.uniform.is_empty()
             && self.words.is_empty()
-            && self.pages.is_empty()
+            && self.colours.is_none()
             && self.mask.is_none()
-    }
-
-    /// Returns the bytes that a kept page takes.
-    pub(super) fn bytes_of_page((_, page): &(u32, Option<Page>)) -> usize {
-        size_of::<(u32, Option<Page>)>() + page.as_ref().map_or(0, |page| page.len())
     }
 
     /// Returns the heap bytes in use.
@@ -303,19 +280,16 @@ impl BrickRecord {
             mixed: self.mixed_bits.capacity(),
         };
         bits.bytes()
-            + self.pages.capacity() * size_of::<(u32, Option<Page>)>()
-            + self.page_bytes
+            + self.colours.as_ref().map_or(0, |kept| size_of::<ColourRecord>() + kept.heap_bytes())
             + self.mask.as_ref().map_or(0, |mask| size_of::<BrickRecord>() + mask.heap_bytes())
     }
 
     /// Returns an upper bound for the heap bytes of the reverse record ([`BrickRecord::swap`]).
     pub(crate) fn reverse_bytes(&self, contents: &Contents) -> usize {
-        let page = |(index, _): &(u32, Option<Page>)| {
-            contents.material.page(*index as usize).map_or(0, |page| page.len())
-        };
         self.reverse_size(Some(&contents.grid)).bytes()
-            + self.pages.len() * size_of::<(u32, Option<Page>)>()
-            + self.pages.iter().map(page).sum::<usize>()
+            + self.colours.as_ref().map_or(0, |kept| {
+                size_of::<ColourRecord>() + kept.reverse_bytes(&contents.material)
+            })
             + self.mask.as_ref().map_or(0, |mask| {
                 size_of::<BrickRecord>() + mask.reverse_size(contents.mask.as_deref()).bytes()
             })
@@ -336,15 +310,15 @@ impl BrickRecord {
             Some(mask) => Some(Box::new(mask.copied()?)),
             None => None,
         };
-        let page = |(index, page): &(u32, Option<Page>)| {
-            Ok((*index, page.as_deref().map(copied_page).transpose()?))
+        let colours = match &self.colours {
+            Some(colours) => Some(Box::new(colours.copied()?)),
+            None => None,
         };
         Ok(BrickRecord {
             uniform: memory::copied(&self.uniform)?,
             words: memory::copied(&self.words)?,
             mixed_bits: memory::copied(&self.mixed_bits)?,
-            pages: memory::copied_each(&self.pages, page)?,
-            page_bytes: self.page_bytes,
+            colours,
             mask,
         })
     }
@@ -369,17 +343,16 @@ impl BrickRecord {
     }
 
     /// Returns an empty record with room for the reverse; `None` if the system lacks the memory for it.
-    fn room(&self, contents: &mut Contents) -> Option<BrickRecord> {
+    fn room(&self, contents: &Contents) -> Option<BrickRecord> {
         let mut room = BrickRecord::default();
         room.reserve(self, Some(&contents.grid)).ok()?;
-        room.pages.try_reserve_exact(self.pages.len()).ok()?;
+        if let Some(colours) = &self.colours {
+            room.colours = Some(Box::new(colours.room(&contents.material).ok()?));
+        }
         if let Some(mask) = &self.mask {
             let mut of_mask = BrickRecord::default();
             of_mask.reserve(mask, contents.mask.as_deref()).ok()?;
             room.mask = Some(Box::new(of_mask));
-        }
-        if self.pages.iter().any(|(_, page)| page.is_some()) {
-            contents.material.try_make_room().ok()?;
         }
         Some(room)
     }
@@ -405,9 +378,10 @@ impl BrickRecord {
     ) -> BrickRecord {
         let of_mask = reverse.take_mask().unwrap_or_default();
         let mask = self.take_mask();
-        for (index, page) in self.take_pages() {
-            reverse.keep_page(index, contents.material.swap_page(index as usize, page));
-            touched.insert(contents.grid.brick_coords(index as usize));
+        if let Some(colours) = self.colours.take() {
+            let mut room = reverse.colours.take().unwrap_or_default();
+            colours.swap_into(&mut room, &mut contents.material, touched);
+            reverse.colours = Some(room);
         }
         let mut reverse = self.swap_bits_into(reverse, &mut contents.grid, touched);
         if let Some(mask) = mask {
@@ -478,17 +452,12 @@ impl BrickRecord {
         self.uniform.shrink_to_fit();
         self.words.shrink_to_fit();
         self.mixed_bits.shrink_to_fit();
-        self.pages.shrink_to_fit();
     }
 }
 
 /// Gets a leaf whose bricks have been replaced, these bricks, their kinds before (empty, full, mixed), and the bits of those
 /// that were mixed.
 type LeafReplaced<'a> = dyn FnMut(LeafKey, Brick, [Brick; 3], &[Brick]) + 'a;
-
-fn bytes_of_pages(pages: &[(u32, Option<Page>)]) -> usize {
-    pages.iter().flat_map(|(_, page)| page).map(|page| page.len()).sum()
-}
 
 /// Returns the bricks that words of one leaf name.
 fn bricks_of(words: &[WordRecord]) -> Brick {

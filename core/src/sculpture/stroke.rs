@@ -5,21 +5,16 @@
 //! history.
 
 use std::collections::hash_map::Entry;
-use std::ops::Range;
 
-use glam::UVec3;
 use rustc_hash::FxHashMap;
 
 use super::brick::Brick;
 use super::brick_set::{BrickSet, LeafKey};
-use super::edit_stats::EditStats;
+use super::colour_record::ColourRecorder;
+use super::contents::Contents;
 use super::grid::{ChangedLeaf, Grid, OldLeaf};
-use super::index_set::IndexSet;
-use super::material::Page;
+use super::material::{Material, Painted};
 use super::record::{BrickRecord, RecordSize};
-
-/// Slabs of bricks along z whose colours are edited by one task.
-const BAND_SLABS: u32 = 4;
 
 /// Collects the record of the stroke in progress.
 #[derive(Debug, Default)]
@@ -28,58 +23,15 @@ pub struct StrokeRecorder {
     leaves: FxHashMap<LeafKey, (OldLeaf, Brick)>,
     /// The size of their record.
     size: RecordSize,
-    bands: Vec<PageRecord>,
-    pages_kept: IndexSet,
+    colours: ColourRecorder,
     /// The recorder of the mask, once the stroke changes it.
     mask: Option<Box<StrokeRecorder>>,
 }
 
-/// Values that one band of the colours keeps during a stroke, and reports after each edit of it.
-#[derive(Debug, Default)]
-pub(super) struct PageRecord {
-    /// Earlier pages with the linear indices of their bricks, from the whole stroke.
-    pub earlier: Vec<(u32, Option<Page>)>,
-    /// Linear indices of the bricks whose page the current edit has changed.
-    pub changed: Vec<u32>,
-    /// Voxels that the current edit has yet to paint, by linear index of their brick.
-    pub to_paint: Vec<(u32, Brick)>,
-    /// Counts of the current edit's changes.
-    pub stats: EditStats,
-}
-
-/// The bands of the colours of a grid.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct ColourBands {
-    /// Bricks in a band, the last of which may have fewer.
-    pub bricks: usize,
-}
-
-impl ColourBands {
-    pub fn of(grid: &Grid) -> ColourBands {
-        let UVec3 { x, y, .. } = grid.brick_dims();
-        ColourBands { bricks: (x * y * BAND_SLABS) as usize }
-    }
-
-    /// Returns the bands that hold the bricks of `slabs`.
-    pub fn of_slabs(slabs: Range<u32>) -> Range<usize> {
-        (slabs.start / BAND_SLABS) as usize..slabs.end.div_ceil(BAND_SLABS) as usize
-    }
-}
-
 impl StrokeRecorder {
-    /// Returns a recorder for sculptures of the size of `grid`.
-    pub fn new(grid: &Grid) -> StrokeRecorder {
-        let bands = grid.brick_dims().z.div_ceil(BAND_SLABS) as usize;
-        StrokeRecorder {
-            bands: std::iter::repeat_with(PageRecord::default).take(bands).collect(),
-            pages_kept: IndexSet::new(grid.brick_count()),
-            ..StrokeRecorder::default()
-        }
-    }
-
-    /// Returns the recorder of the mask of `grid`.
-    pub(crate) fn for_mask(&mut self, grid: &Grid) -> &mut StrokeRecorder {
-        self.mask.get_or_insert_with(|| Box::new(StrokeRecorder::new(grid)))
+    /// Returns the recorder of the mask.
+    pub(crate) fn for_mask(&mut self) -> &mut StrokeRecorder {
+        self.mask.get_or_insert_default()
     }
 
     /// Returns whether the stroke has kept the earlier bits of a leaf.
@@ -88,40 +40,25 @@ impl StrokeRecorder {
         self.leaves.contains_key(&leaf)
     }
 
-    /// Hands voxels that are to be painted to the bands that hold their bricks.
-    pub(super) fn list_to_paint(&mut self, voxels: Vec<(UVec3, Brick)>, grid: &Grid) {
-        for (b, mask) in voxels {
-            let band = &mut self.bands[(b.z / BAND_SLABS) as usize];
-            band.to_paint.push((grid.brick_index(b) as u32, mask));
-        }
+    /// Prepares for an edit of colours.
+    pub(super) fn begin_painting(&mut self, material: &Material) {
+        self.colours.begin(material);
     }
 
-    /// Lends out the records of the bands, with the bricks whose earlier page has been kept.
-    pub(super) fn pages(&mut self) -> (&mut [PageRecord], &IndexSet) {
-        (&mut self.bands, &self.pages_kept)
-    }
-
-    /// Ends an edit that has changed the bits of `changed` and the pages that the bands list: adds these bricks to
-    /// `dirty`, and returns the sum of the counts.
-    pub(super) fn close_edit(
-        &mut self,
-        grid: &Grid,
-        changed: Vec<ChangedLeaf>,
-        mut stats: EditStats,
-        dirty: &mut BrickSet,
-    ) -> EditStats {
+    /// Ends an edit that has changed the bits of `changed`: adds these bricks to `dirty`.
+    pub(super) fn close_edit(&mut self, changed: Vec<ChangedLeaf>, dirty: &mut BrickSet) {
         for changed in changed {
             dirty.insert_in(changed.leaf, &changed.bricks);
             self.note_changed(changed);
         }
-        for band in &mut self.bands {
-            for index in band.changed.drain(..) {
-                self.pages_kept.insert(index);
-                dirty.insert(grid.brick_coords(index as usize));
-            }
-            stats += std::mem::take(&mut band.stats);
+    }
+
+    /// Ends an edit that has painted, and adds the bricks that have changed to `dirty`.
+    pub(super) fn close_painting(&mut self, painted: &Painted, dirty: &mut BrickSet) {
+        self.colours.note(painted);
+        for (leaf, bricks) in painted.leaves.iter().chain(&painted.in_cubes) {
+            dirty.insert_in(*leaf, bricks);
         }
-        stats
     }
 
     fn note_changed(&mut self, ChangedLeaf { leaf, bricks, before }: ChangedLeaf) {
@@ -142,23 +79,24 @@ impl StrokeRecorder {
 
     /// Returns about the bytes that the stroke's record takes so far.
     pub fn bytes(&self) -> usize {
-        let pages = self.bands.iter().flat_map(|band| &band.earlier);
-        let pages: usize = pages.map(BrickRecord::bytes_of_page).sum();
-        self.size.bytes() + pages + self.mask.as_ref().map_or(0, |mask| mask.bytes())
+        self.size.bytes() + self.colours.bytes() + self.mask.as_ref().map_or(0, |mask| mask.bytes())
     }
 
-    /// Resumes an ended stroke of `grid` from its record.
-    pub(crate) fn resume(&mut self, mut record: BrickRecord, grid: &Grid, mask: Option<&Grid>) {
+    /// Resumes an ended stroke from its record. `contents`: those at its end.
+    pub(crate) fn resume(&mut self, mut record: BrickRecord, contents: &Contents) {
+        let Contents { grid, material, mask, .. } = contents;
+        if let Some(colours) = record.colours() {
+            self.colours.resume(colours, material);
+        }
         if let Some(record) = record.take_mask() {
-            let mask = mask.cloned().unwrap_or_else(|| grid.emptied());
-            self.for_mask(grid).resume(record, &mask, None);
+            let mask = mask.as_deref().cloned().unwrap_or_else(|| grid.emptied());
+            self.for_mask().resume_bits(&record, &mask);
         }
-        for (index, _) in record.pages() {
-            self.pages_kept.insert(*index);
-        }
-        if let Some(band) = self.bands.first_mut() {
-            band.earlier = record.take_pages();
-        }
+        self.resume_bits(&record, grid);
+    }
+
+    /// Resumes the bits of a stroke. `grid`: the bits at its end.
+    fn resume_bits(&mut self, record: &BrickRecord, grid: &Grid) {
         let mut before = grid.clone();
         for (leaf, bricks) in record.put_bits(&mut before).leaves() {
             let before = Some(before.leaf_bits(leaf));
@@ -168,15 +106,12 @@ impl StrokeRecorder {
 
     /// Ends the stroke and returns its record.
     pub fn finish(&mut self) -> BrickRecord {
-        self.pages_kept.clear();
         self.size = RecordSize::default();
         let mut leaves: Vec<_> = self.leaves.drain().collect();
         leaves.sort_unstable_by_key(|(leaf, _)| *leaf);
         let mut record = BrickRecord::of_leaves(&leaves);
-        for band in &mut self.bands {
-            band.earlier.drain(..).for_each(|(index, page)| record.keep_page(index, page));
-        }
         record.shrink_to_fit();
+        let record = record.with_colours(self.colours.finish());
         match self.mask.take() {
             Some(mut mask) => record.with_mask(mask.finish()),
             None => record,

@@ -6,6 +6,7 @@
 use glam::{IVec3, UVec3};
 
 use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, BrickKind, local_coords, local_index};
+use crate::sculpture::material::PageView;
 use crate::sculpture::{ColourDepth, Grid, Material, Rgb};
 
 /// Width of a line of the hatching, along any axis of the grid.
@@ -56,11 +57,11 @@ impl ShownColours<'_> {
     /// Returns the colour of the voxel at `v`.
     #[inline]
     pub fn rgb(&self, v: UVec3) -> Rgb {
-        let (brick, local) = (self.grid.brick_index(v / BRICK_EDGE_VX), v % BRICK_EDGE_VX);
+        let (brick, local) = (v / BRICK_EDGE_VX, v % BRICK_EDGE_VX);
         let own = || self.material.rgb(brick, local_index(local.x, local.y, local.z));
         let colour = self.instead.unwrap_or_else(own);
         match self.mask {
-            Some(mask) if mask.brick_at(brick).get(local.x, local.y, local.z) => {
+            Some(mask) if mask.brick(brick).get(local.x, local.y, local.z) => {
                 self.depth().quantise(mask_tint(colour, v))
             }
             _ => colour,
@@ -98,7 +99,7 @@ impl ShownColours<'_> {
     pub fn write_page(&self, brick: usize, out: &mut [u8]) {
         let depth = self.depth();
         match self.own_page(brick) {
-            Some(page) => out.copy_from_slice(page),
+            Some(page) => _ = page.write_to(out),
             None => {
                 let base = self.base();
                 out.chunks_exact_mut(depth.bytes().max(1)).for_each(|out| depth.write(base, out));
@@ -112,8 +113,8 @@ impl ShownColours<'_> {
         });
     }
 
-    fn own_page(&self, brick: usize) -> Option<&[u8]> {
-        self.material.page(brick).filter(|_| self.instead.is_none())
+    fn own_page(&self, brick: usize) -> Option<PageView<'_>> {
+        self.material.page(self.grid.brick_coords(brick)).filter(|_| self.instead.is_none())
     }
 
     /// Returns the protected voxels of a brick that may be visible.
@@ -182,7 +183,7 @@ mod tests {
         for depth in ColourDepth::ALL {
             let mut material = Material::for_grid(&grid, depth, Rgb::new(180, 170, 150));
             for brick in (0..grid.brick_count()).step_by(3) {
-                material.paint(brick, &Brick::FULL, Rgb([brick as u8, 90, 200]));
+                material.paint(grid.brick_coords(brick), &Brick::FULL, Rgb([brick as u8, 90, 200]));
             }
             for instead in [None, Some(Rgb::new(178, 112, 84))] {
                 for mask in [None, Some(&mask)] {

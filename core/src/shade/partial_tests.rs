@@ -62,7 +62,7 @@ proptest! {
             let bits = random.next_u64();
             let was = *grid.brick_at(brick);
             grid.set_brick(brick, was.zip(&was, |word, _| word ^ bits));
-            material.paint(brick, grid.brick_at(brick), Rgb([bits as u8, 90, 200]));
+            material.paint(grid.brick_coords(brick), grid.brick_at(brick), Rgb([bits as u8, 90, 200]));
             changed.push(brick as u32);
         }
         changed.sort_unstable();

@@ -121,7 +121,7 @@ mod tests {
         let grid = scenes::cheese(64, 30, 2).unwrap();
         let mut material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::STONE);
         for brick in (0..grid.brick_count()).step_by(2) {
-            material.paint(brick, &Brick::FULL, Rgb([brick as u8, 7, 9]));
+            material.paint(grid.brick_coords(brick), &Brick::FULL, Rgb([brick as u8, 7, 9]));
         }
         let camera = Camera::framing(40.0, Vec3::new(1.0, 0.5, 0.7), Vec3::Y);
         let world_from_grid = Placement::default().world_from_grid(grid.dims(), Vec3::ONE);
@@ -151,7 +151,7 @@ mod tests {
                 // In steps of 1/255, then of 1/127.
                 assert!((open / 127.0 - expected).abs() < 0.501 / 255.0 + 0.501 / 127.0);
                 let local = crate::sculpture::brick::local_index(v.x & 7, v.y & 7, v.z & 7);
-                let rgb = material.rgb(grid.brick_index(v / 8), local).0;
+                let rgb = material.rgb(v / 8, local).0;
                 assert_eq!(point.colour[..3], rgb);
             }
         }

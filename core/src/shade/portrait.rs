@@ -38,7 +38,7 @@ mod tests {
     fn a_portrait_is_the_same_for_any_number_of_threads_and_shows_the_sculpture() {
         let grid = cheese(48, 9, 7).unwrap();
         let mut material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::STONE);
-        material.paint(0, &Brick::FULL, Rgb::new(200, 10, 10));
+        material.paint(glam::UVec3::ZERO, &Brick::FULL, Rgb::new(200, 10, 10));
         let contents = Contents::new(grid, material);
         let hashes = [1, 2, 5].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

@@ -17,6 +17,7 @@ use super::pixels::Pixels;
 use super::shadow::ShadowSun;
 use super::source::ShadeSource;
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
+use crate::sculpture::material::PageReader;
 use crate::sculpture::{ColourDepth, Grid, NO_VOXEL, Rgb};
 use crate::surface::{IndexMap, PixelRect};
 
@@ -245,6 +246,7 @@ impl Shader<'_> {
                 found.records[lane] = records.at(page, found.locals[lane]).0;
             }
         }
+        let mut reader = self.source.material.reader();
         for (i, out) in out.chunks_mut(LANES).enumerate() {
             let (voxels, found) = (&groups[i], &mut row[i]);
             if seen[i] == 0 {
@@ -252,7 +254,7 @@ impl Shader<'_> {
                 continue;
             }
             if self.has_colours {
-                self.colours(found);
+                self.colours(found, &mut reader);
             }
             if let Some((mask, depth)) = self.tinted {
                 tint(mask, depth, found);
@@ -292,18 +294,16 @@ impl Shader<'_> {
 
     /// Looks up the colours of voxels that have their own.
     #[inline(always)]
-    fn colours(&self, found: &mut PixelLookups) {
-        let material = self.source.material;
+    fn colours(&self, found: &mut PixelLookups, reader: &mut PageReader) {
         let (mut last, mut page) = (u32::MAX, None);
         for lane in 0..LANES {
             if found.bricks[lane] != last {
                 last = found.bricks[lane];
-                page = material.page(last as usize);
+                page = reader.page(found.coords(lane) / BRICK_EDGE_VX);
             }
             if let Some(page) = page {
                 let [x, y, z] = [0, 3, 6].map(|bit| found.locals[lane] >> bit & IN_BRICK);
-                let at = local_index(x, y, z) as usize * material.depth().bytes();
-                found.points.colour[lane] = packed(material.depth().read(&page[at..]));
+                found.points.colour[lane] = packed(page.rgb(local_index(x, y, z)));
             }
         }
     }

@@ -55,14 +55,17 @@ pub(crate) fn of_colour(contents: &Contents, colour: Rgb, tolerance: f32) -> Lis
     let Contents { grid, material, .. } = contents;
     let base = is_alike(colour, material.base(), tolerance);
     let of_brick = |b: UVec3| {
-        let (index, mut alike) = (grid.brick_index(b), Brick::EMPTY);
-        let voxels = grid.brick_at(index);
-        match material.page(index) {
-            None if base => alike = *voxels,
-            None => {}
-            Some(_) => voxels.for_each(|local| {
+        let mut alike = Brick::EMPTY;
+        let voxels = grid.brick(b);
+        let page = material.page(b);
+        match (page, page.and_then(|page| page.uniform())) {
+            (None, _) if base => alike = *voxels,
+            (None, _) => {}
+            (_, Some(own)) if is_alike(colour, own, tolerance) => alike = *voxels,
+            (_, Some(_)) => {}
+            (Some(page), None) => voxels.for_each(|local| {
                 let [x, y, z] = local_coords(local);
-                alike.set(x, y, z, is_alike(colour, material.rgb(index, local), tolerance));
+                alike.set(x, y, z, is_alike(colour, page.rgb(local), tolerance));
             }),
         }
         (!alike.is_empty()).then_some((b, alike))
@@ -140,14 +143,13 @@ fn spread(seeds: Slices, may: &Slices) -> Slices {
 /// Returns the surface voxels of a brick whose colour passes `is_alike`.
 fn alike_on_surface(contents: &Contents, b: UVec3, is_alike: &dyn Fn(Rgb) -> bool) -> Slices {
     let Contents { grid, material, .. } = contents;
-    let index = grid.brick_index(b);
     let surface = surface_of(grid, b);
-    if material.page(index).is_none() {
+    let Some(page) = material.page(b) else {
         return if is_alike(material.base()) { surface } else { [0; 8] };
-    }
+    };
     let mut alike = Brick::EMPTY;
     Brick::from_rows(&surface).for_each(|local| {
-        if is_alike(material.rgb(index, local)) {
+        if is_alike(page.rgb(local)) {
             let [x, y, z] = local_coords(local);
             alike.set(x, y, z, true);
         }
@@ -250,7 +252,11 @@ mod tests {
                 let mask = Brick { words: std::array::from_fn(|_| random.next_u64()) };
                 if random.unit() < share {
                     let grey = (random.unit() * 40.0) as u8;
-                    contents.material.paint(brick, &mask, Rgb::new(200, 190, 130 + grey));
+                    contents.material.paint(
+                        contents.grid.brick_coords(brick),
+                        &mask,
+                        Rgb::new(200, 190, 130 + grey),
+                    );
                 }
             }
             let dims = contents.grid.dims();
@@ -277,7 +283,11 @@ mod tests {
             let b = contents.grid.brick_coords(index);
             if b.y == 1 {
                 let ring = Brick::from_rows(&surface_of(&contents.grid, b));
-                contents.material.paint(index, &ring, Rgb::new(255, 0, 0));
+                contents.material.paint(
+                    contents.grid.brick_coords(index),
+                    &ring,
+                    Rgb::new(255, 0, 0),
+                );
             }
         }
         let found = listed(&patch(&contents, &[UVec3::ZERO], 0.0));

@@ -264,9 +264,9 @@ impl<'a> PathScene<'a> {
 
     /// Returns the share of light that a voxel reflects.
     pub fn albedo(&self, voxel: UVec3) -> Vec3 {
-        let ShadeSource { grid, material, .. } = self.source;
-        let (brick, local) = (grid.brick_index(voxel / BRICK_EDGE_VX), voxel % BRICK_EDGE_VX);
-        linear_colour(material.rgb(brick, local_index(local.x, local.y, local.z)))
+        let local = voxel % BRICK_EDGE_VX;
+        let material = self.source.material;
+        linear_colour(material.rgb(voxel / BRICK_EDGE_VX, local_index(local.x, local.y, local.z)))
     }
 
     fn clear_of_steps(&self, point: Vec3, face: Vec3, normal: Vec3) -> Vec3 {

@@ -223,7 +223,11 @@ fn surfaces_in_focus_are_sharp_and_others_are_not() {
     for index in 0..subject.grid.brick_count() {
         let dark = subject.grid.brick_coords(index).x.is_multiple_of(2);
         if dark {
-            subject.material.paint(index, &crate::sculpture::Brick::FULL, Rgb::new(0, 0, 0));
+            subject.material.paint(
+                subject.grid.brick_coords(index),
+                &crate::sculpture::Brick::FULL,
+                Rgb::new(0, 0, 0),
+            );
         }
     }
     let camera = Camera {

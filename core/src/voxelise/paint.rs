@@ -9,7 +9,7 @@ use super::solid::voxel;
 use super::{InputMesh, VoxeliseError, check_memory};
 use crate::progress::Progress;
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_coords, local_index};
-use crate::sculpture::material::Page;
+use crate::sculpture::material::{MAX_PAGE_BYTES, Page};
 use crate::sculpture::{Grid, Material, Rgb};
 
 /// Layers of bricks that are coloured between two checks of memory and cancellation.
@@ -50,7 +50,7 @@ impl Painter<'_> {
             }
             progress.advance(first as f32 / layers as f32);
             let material_now = &*material;
-            let pages: Vec<Vec<(usize, Page)>> = batch
+            let pages: Vec<Vec<(UVec3, Page)>> = batch
                 .par_iter_mut()
                 .enumerate()
                 .map(|(i, beside)| {
@@ -59,10 +59,11 @@ impl Painter<'_> {
                     self.pages(grid, material_now, first + i, &beside)
                 })
                 .collect();
-            for (brick, page) in pages.into_iter().flatten() {
-                check_memory(material.bytes_with(1), budget_bytes)?;
-                material.swap_page(brick, Some(page));
-            }
+            let bytes = pages.iter().flatten().map(|(_, page)| page.heap_bytes() as u64);
+            let (count, bytes) = (pages.iter().map(Vec::len).sum::<usize>(), bytes.sum());
+            let needed = material.heap_bytes() + material.bytes_for_pages(count as u64, bytes);
+            check_memory(needed, budget_bytes)?;
+            material.set_pages(pages.into_iter().flatten().collect());
         }
         progress.end();
         Ok(())
@@ -119,14 +120,15 @@ impl Painter<'_> {
         material: &Material,
         layer: usize,
         beside: &[VoxelTriangle],
-    ) -> Vec<(usize, Page)> {
+    ) -> Vec<(UVec3, Page)> {
         let (depth, bricks) = (material.depth(), grid.brick_dims());
         let of_brick = beside.chunk_by(|a, b| a.0 >> 41 == b.0 >> 41);
         of_brick
             .map(|beside| {
                 let in_layer = (beside[0].0 >> 41) as u32;
                 let brick = UVec3::new(in_layer % bricks.x, in_layer / bricks.x, layer as u32);
-                let mut page = vec![0; material.page_bytes()].into_boxed_slice();
+                let mut buffer = [0; MAX_PAGE_BYTES];
+                let page = &mut buffer[..material.page_bytes()];
                 let base = material.base();
                 page.chunks_exact_mut(depth.bytes()).for_each(|colour| depth.write(base, colour));
                 for beside in beside.chunk_by(|a, b| a.0 >> 32 == b.0 >> 32) {
@@ -135,7 +137,7 @@ impl Painter<'_> {
                     let colour = self.colour(v, beside);
                     depth.write(colour, &mut page[local as usize * depth.bytes()..]);
                 }
-                (grid.brick_index(brick), page)
+                (brick, Page::of_bytes(page, depth))
             })
             .collect()
     }

@@ -2,7 +2,7 @@
 
 use glam::{UVec3, Vec3};
 use proptest::prelude::*;
-use sculpture_core::command::{Area, Command};
+use sculpture_core::command::Command;
 use sculpture_core::document::{CommandError, Document, Limits};
 use sculpture_core::sculpture::ColourDepth;
 use sculpture_core::sculpture::clip::Clip;
@@ -10,7 +10,7 @@ use sculpture_core::sculpture::edit::EditOp;
 use sculpture_core::sculpture::history::Contents;
 use sculpture_core::sculpture::selection::Selection;
 
-use super::document::{RED, ball, painted};
+use super::document::{ball, painted};
 use super::strategies::{new_sculpture, work};
 
 /// Returns everything that a refused command must not change.
@@ -83,6 +83,8 @@ fn a_step_beyond_the_budget_is_refused_unless_irreversible_steps_are_allowed() {
     apply(&mut document, "add ellipsoid at=10,10,10 half=3 colour=#ff0000").unwrap();
     apply(&mut document, "irreversible on").unwrap();
     apply(&mut document, "fill colour=#ff0000").unwrap();
+    // So many colours that each brick keeps one for each voxel.
+    apply(&mut document, "noise colour=#203040 size=8 amount=1").unwrap();
     // No brick is full, so the bits of each must be kept.
     for i in 0..512 {
         let at = |shift: u32| (i >> shift & 7) as f32 * 8.0 + 0.5;
@@ -149,20 +151,21 @@ fn a_step_beyond_the_budget_is_refused_unless_irreversible_steps_are_allowed() {
     assert_eq!(document.history().undo_count(), 1);
 }
 
-/// A painting step stores little: that there were no pages. Its undo would have to store all pages.
+/// A painting step stores little: that there were no pages. Its undo would have to store all pages, which have many
+/// colours.
 #[test]
 fn an_undo_whose_redo_cannot_be_kept_is_refused_unless_irreversible_steps_are_allowed() {
     let limits = Limits { history_bytes: 20_000, ..Limits::default() };
     let new = painted(UVec3::splat(64), ColourDepth::Bits24, true);
     let mut document = Document::new(&new, limits).unwrap();
-    document.apply(&Command::Dye { area: Area::Grid, colour: RED }).unwrap();
+    document.apply(&"noise colour=#ff0000 size=8 amount=1".parse().unwrap()).unwrap();
     document.apply(&ball(EditOp::Subtract, Vec3::splat(4.0), 2.0)).unwrap();
     let after = document.apply(&Command::Undo { steps: None }).unwrap();
     assert_eq!(after.steps, 1, "as far as redo can be kept");
     let before = all_of(&document);
     let (state, undo) = (document.state(), Command::Undo { steps: Some(1) });
     let error = document.apply(&undo).unwrap_err();
-    assert!(error.to_string().contains("undo dye"), "{error}");
+    assert!(error.to_string().contains("undo noise"), "{error}");
     assert!(all_of(&document) == before);
     assert_eq!(document.state(), state);
     document.apply(&Command::Irreversible(true)).unwrap();

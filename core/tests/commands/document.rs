@@ -24,9 +24,8 @@ fn agree(contents: &Contents, model: &Voxels) -> Result<(), TestCaseError> {
     let existing = model.colours.iter().flatten().count();
     prop_assert_eq!(grid.opaque_count(), existing as u64);
     for (v, colour) in model.all().zip(&model.colours) {
-        let brick = grid.brick_index(v.as_uvec3() / 8);
         let [x, y, z] = (v.as_uvec3() % 8).to_array();
-        let here = grid.get(v).then(|| material.rgb(brick, local_index(x, y, z)));
+        let here = grid.get(v).then(|| material.rgb(v.as_uvec3() / 8, local_index(x, y, z)));
         prop_assert!(here == *colour, "{v}: {here:?}, but the model: {colour:?}");
     }
     Ok(())
@@ -43,9 +42,9 @@ fn sound(grid: &Grid) -> Result<(), TestCaseError> {
 /// Returns the bricks whose bits or colours differ.
 fn changed_bricks(before: &Contents, after: &Contents) -> HashSet<u32> {
     let differs = |&brick: &u32| {
-        let i = brick as usize;
-        before.grid.brick_at(i) != after.grid.brick_at(i)
-            || before.material.page(i) != after.material.page(i)
+        let b = before.grid.brick_coords(brick as usize);
+        before.grid.brick(b) != after.grid.brick(b)
+            || before.material.page(b) != after.material.page(b)
     };
     (0..before.grid.brick_count() as u32).filter(differs).collect()
 }
@@ -294,9 +293,9 @@ fn a_512_clear_is_one_small_step() {
 
 #[test]
 fn colours_stay_within_their_budget() {
-    let page = 512 * 3;
-    let table = 16 * 64;
-    let limits = Limits { colour_bytes: 10 * page + table, ..Limits::default() };
+    // A page of two colours takes 88 bytes and an entry in a node.
+    let (page, node) = (120, 256);
+    let limits = Limits { colour_bytes: 10 * page + node, ..Limits::default() };
     let new = painted(UVec3::splat(32), ColourDepth::Bits24, false);
     let mut document = Document::new(&new, limits).unwrap();
     // The box around this ball has 27 bricks; the ball itself touches fewer, 7.
@@ -322,6 +321,21 @@ fn colours_stay_within_their_budget() {
     document.apply(&ball(EditOp::Recolour(RED), Vec3::splat(20.0), 9.0)).unwrap_err();
     document.apply(&ball(EditOp::Subtract, Vec3::splat(20.0), 9.0)).unwrap();
     assert!(document.material().heap_bytes() <= limits.colour_bytes);
+}
+
+/// An edit that has changed nothing must not pass for the beginning of the next one.
+#[test]
+fn colours_are_undone_after_a_paste_outside_the_grid() {
+    let mut document =
+        Document::new(&painted(UVec3::ONE, ColourDepth::Bits8, true), Limits::default()).unwrap();
+    let original = document.contents().clone();
+    for line in ["cut", "fill colour=#c8beaa", "paste at=0,0,-1", "undo all", "dye colour=#c8beaa"]
+    {
+        document.apply(&line.parse().unwrap()).unwrap();
+    }
+    assert_eq!(document.material().page_count(), 1);
+    document.apply(&"undo".parse().unwrap()).unwrap();
+    assert_eq!(document.contents(), &original);
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! A history at full size: 1024 voxels along each axis, 24 bits of colour, every voxel painted. Steps that the history
+//! A history at full size: 1024 voxels along each axis, 24 bits of colour, every voxel painted, with many colours in
+//! each brick. Steps that the history
 //! cannot keep are refused before anything changes.
 
 use std::time::Instant;
@@ -14,8 +15,13 @@ fn digest(contents: &Contents) -> u64 {
     let mix = |hash: u64, v: u64| (hash ^ v).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29);
     let brick = |at: usize| {
         let words = grid.brick_at(at).words.iter().fold(at as u64, |hash, word| mix(hash, *word));
-        material.page(at).map_or(words, |page| {
-            page.as_chunks().0.iter().fold(words + 1, |hash, v| mix(hash, u64::from_le_bytes(*v)))
+        let mut buffer = [0; 512 * 3];
+        material.page(grid.brick_coords(at)).map_or(words, |page| {
+            page.write_to(&mut buffer)
+                .as_chunks()
+                .0
+                .iter()
+                .fold(words + 1, |hash, v| mix(hash, u64::from_le_bytes(*v)))
         })
     };
     (0..grid.brick_count()).into_par_iter().map(brick).reduce(|| 0, u64::wrapping_add)
@@ -53,7 +59,9 @@ fn at_1024_cubed_in_24_bits_nothing_vanishes_unasked() {
     }
     let Command::New(new) = "new dims=1024,1024,1024 colour=24".parse().unwrap() else { panic!() };
     let mut document = Document::new(&new, Limits::default()).unwrap();
-    apply(&mut document, "dye colour=#804020").unwrap();
+    for line in ["begin", "dye colour=#804020", "noise colour=#102040 size=8 amount=1", "end"] {
+        apply(&mut document, line).unwrap();
+    }
     assert_eq!(document.material().page_count(), 1 << 21);
     let painted = digest(document.contents());
     apply(&mut document, "recolour ellipsoid at=300,500,512 half=200 colour=#2040ff").unwrap();

@@ -31,7 +31,9 @@ fn synthetic_volume() -> Contents {
     let mut material = Material::for_grid(&grid, ColourDepth::Bits16, Rgb::new(200, 190, 170));
     for brick in (0..grid.brick_count()).step_by(7) {
         let shade = (brick % 251) as u8;
-        material.paint_each(brick, grid.brick_at(brick), |i| Rgb::new(shade, i as u8, 255 - shade));
+        material.paint_each(grid.brick_coords(brick), grid.brick_at(brick), |i| {
+            Rgb::new(shade, i as u8, 255 - shade)
+        });
     }
     Contents::new(grid, material)
 }
@@ -41,7 +43,12 @@ fn bytes(contents: &Contents) -> (Vec<u8>, Vec<Option<Vec<u8>>>) {
     let bricks = 0..contents.grid.brick_count();
     let bits = bricks.clone().flat_map(|brick| bytemuck::bytes_of(contents.grid.brick_at(brick)));
     let bits = bits.copied().collect();
-    let pages = bricks.map(|brick| contents.material.page(brick).map(<[u8]>::to_vec)).collect();
+    let pages = bricks
+        .map(|brick| {
+            let page = contents.material.page(contents.grid.brick_coords(brick))?;
+            Some(page.write_to(&mut [0; 1536]).to_vec())
+        })
+        .collect();
     (bits, pages)
 }
 

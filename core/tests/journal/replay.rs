@@ -59,8 +59,9 @@ proptest! {
 
 #[test]
 fn a_replay_drops_the_steps_that_the_session_dropped() {
-    const RED: &str = "recolour cuboid at=12,10,6 half=20 colour=#a02010";
-    const GREEN: &str = "recolour cuboid at=12,10,6 half=20 colour=#20a010";
+    // Many colours a brick.
+    const RED: &str = "noise colour=#a02010 size=3 amount=1 seed=1";
+    const GREEN: &str = "noise colour=#20a010 size=3 amount=1 seed=2";
     let memory = Memory::default();
     let mut session = session(Limits { history_bytes: 45_000, ..Limits::default() });
     session.keep_journal(options(&memory)).unwrap();

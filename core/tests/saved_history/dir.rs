@@ -104,11 +104,8 @@ fn the_steps_nearest_to_the_present_are_kept_within_the_bound() {
     let path = folder.path().join("a.vsc");
     let options = SavedHistoryOptions { max_bytes: 600_000, ..on_disk(folder.path()) };
     let mut session = begin("new dims=64,64,64 colour=24", options.clone());
-    for shade in 0..24 {
-        execute(
-            &mut session,
-            &format!("recolour ellipsoid at=32,32,32 half={shade}.5 colour=#{shade:02}8020"),
-        );
+    for seed in 1..25 {
+        execute(&mut session, &format!("noise colour=#{seed:02}8020 size=3 amount=1 seed={seed}"));
     }
     execute(&mut session, "undo 8");
     execute(&mut session, &format!("save {path:?}"));

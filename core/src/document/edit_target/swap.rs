@@ -1,7 +1,7 @@
 //! Exchanges the edited data for earlier or other values: recorded bricks, the kind of surface, the mask, or the whole
 //! contents.
 //!
-//! Takes the new values and returns the old ones. The contents become the target's own before they are changed. A
+//! Takes the new values and returns the old ones. A
 //! change for which the system lacks memory is refused before anything has changed. Knows no undo steps.
 
 use std::sync::Arc;
@@ -18,16 +18,6 @@ use crate::sculpture::stroke::StrokeRecorder;
 use crate::sculpture::{Grid, GridError};
 
 impl EditTarget {
-    /// Makes the contents the target's own, so that they can be changed: copies them if a save or another snapshot
-    /// shares them. Returns an error if the system lacks the memory for the copy.
-    pub fn own_contents(&mut self) -> Result<(), CommandError> {
-        if Arc::get_mut(&mut self.contents).is_none() {
-            let copy = self.contents.copied().map_err(|error| self.no_memory(error))?;
-            self.contents = Arc::new(copy);
-        }
-        Ok(())
-    }
-
     pub fn no_memory(&self, error: NoMemory) -> CommandError {
         GridError::NoMemory { dims: self.grid().dims(), needed_mib: error.mib() }.into()
     }
@@ -74,7 +64,7 @@ impl EditTarget {
     }
 
     fn resume(&mut self, record: BrickRecord) {
-        self.recorder.resume(record, &self.contents.grid, self.contents.mask.as_deref());
+        self.recorder.resume(record, &self.contents);
     }
 
     fn swap_bricks(&mut self, record: BrickRecord) -> BrickRecord {
@@ -91,9 +81,6 @@ impl EditTarget {
         &mut self,
         record: BrickRecord,
     ) -> Result<BrickRecord, Box<(BrickRecord, CommandError)>> {
-        if let Err(error) = self.own_contents() {
-            return Err(Box::new((record, error)));
-        }
         let bytes = record.reverse_bytes(&self.contents) as u64;
         let changes = !record.is_empty();
         match record.try_swap(Arc::make_mut(&mut self.contents), &mut self.dirty) {
@@ -105,7 +92,7 @@ impl EditTarget {
         }
     }
 
-    /// Replaces the sculpture, whose contents must be the target's own. If the size changes, the marker is reset.
+    /// Replaces the sculpture. If the size changes, the marker is reset.
     pub fn swap_contents(&mut self, contents: Contents) -> Contents {
         let old = self.put_contents(contents);
         if self.contents.grid.dims() != old.grid.dims() {
@@ -131,7 +118,7 @@ impl EditTarget {
     /// Exchanges all contents and returns the old ones.
     fn put_contents(&mut self, contents: Contents) -> Arc<Contents> {
         let old = std::mem::replace(&mut self.contents, Arc::new(contents));
-        self.recorder = StrokeRecorder::new(&self.contents.grid);
+        self.recorder = StrokeRecorder::default();
         self.dirty.clear();
         self.all_dirty = true;
         self.revision += 1;
@@ -144,7 +131,7 @@ impl EditTarget {
         std::mem::replace(&mut Arc::make_mut(&mut self.contents).surface, kind)
     }
 
-    /// Exchanges the mask without recording it. The contents must be the target's own.
+    /// Exchanges the mask without recording it.
     pub fn swap_mask(&mut self, mask: Option<Box<Grid>>) -> Option<Box<Grid>> {
         std::mem::replace(&mut Arc::make_mut(&mut self.contents).mask, mask)
     }

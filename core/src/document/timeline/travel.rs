@@ -155,14 +155,10 @@ fn reversed(
                 Err(Box::new((StepChange::Bricks(record), error)))
             }
         },
-        StepChange::Whole(contents) => match target.own_contents() {
-            Ok(()) => Ok(StepChange::Whole(Box::new(target.swap_contents(*contents)))),
-            Err(error) => Err(Box::new((StepChange::Whole(contents), error))),
-        },
-        StepChange::Surface(kind) => match target.own_contents() {
-            Ok(()) => Ok(StepChange::Surface(target.swap_surface(kind))),
-            Err(error) => Err(Box::new((change, error))),
-        },
+        StepChange::Whole(contents) => {
+            Ok(StepChange::Whole(Box::new(target.swap_contents(*contents))))
+        }
+        StepChange::Surface(kind) => Ok(StepChange::Surface(target.swap_surface(kind))),
         // Repeating the orientation restores the present contents exactly.
         StepChange::Oriented { back, before: Some(before) } => {
             Ok(target.swap_oriented(*before, back, true))

@@ -3,14 +3,15 @@
 //! history on disk.
 //!
 //! A step is, little-endian: its state (two u64), a byte for the kind of its change (1 whole, 2 oriented, 3 oriented
-//! with the sculpture before, 4 surface, 5 bricks, 0 bricks by linear index, which is only read), the label (u32 length and UTF-8 bytes), an orientation for kinds 2
-//! and 3 or a kind of surface for kind 4 (u32 length and the bytes of its text form), then the record for kinds 5 and 0,
-//! packed by `blocks`, or a .vsc file for kinds 1 and 3.
+//! with the sculpture before, 4 surface, 6 bricks; 5 and 0, bricks in earlier layouts, are only read), the label (u32
+//! length and UTF-8 bytes), an orientation for kinds 2 and 3 or a kind of surface for kind 4 (u32 length and the bytes
+//! of its text form), then the record for kinds 6, 5 and 0, packed by `blocks`, or a .vsc file for kinds 1 and 3.
 //!
 //! Reading checks a step against the [`ContentsShape`] of the contents with which it will be swapped, so that no damaged step
 //! can break a sculpture.
 
 mod blocks;
+mod colours;
 mod record;
 
 use std::io::{BufRead, Read, Write};
@@ -19,6 +20,7 @@ use std::sync::Arc;
 use glam::UVec3;
 
 use self::blocks::cut;
+use self::record::Layout;
 use super::{FormatError, Texts, vsc};
 use crate::sculpture::history::{Contents, HistorySnapshot, State, Step, StepChange, SurfaceKind};
 use crate::sculpture::orientation::Orientation;
@@ -63,7 +65,7 @@ pub fn write_step(step: &Step) -> Result<Vec<u8>, FormatError> {
 /// Packs a step to a writer, a record in portions.
 pub(crate) fn write_step_to(step: &Step, out: &mut dyn Write) -> Result<(), FormatError> {
     let kind = match &step.change {
-        StepChange::Bricks(_) => 5,
+        StepChange::Bricks(_) => 6,
         StepChange::Whole(_) => 1,
         StepChange::Oriented { before: None, .. } => 2,
         StepChange::Oriented { before: Some(_), .. } => 3,
@@ -122,8 +124,9 @@ pub(crate) fn read_step_from(
         trailing => Err(FormatError::Trailing(trailing as u64)),
     };
     let change = match kind {
-        0 => StepChange::Bricks(record::read_linear(rest, shape)?),
-        5 => StepChange::Bricks(record::read(rest, shape)?),
+        0 => StepChange::Bricks(record::read(rest, shape, Layout::Linear)?),
+        5 => StepChange::Bricks(record::read(rest, shape, Layout::Pages)?),
+        6 => StepChange::Bricks(record::read(rest, shape, Layout::Cubes)?),
         1 => StepChange::Whole(whole(rest)?),
         2 | 3 => {
             let text = take_text(rest)?;

@@ -1,18 +1,23 @@
 //! The record of an undo step as bytes, packed by [`super::blocks`]:
 //!
-//! 1. three u32: how many words of 64 bricks, how many mixed bricks, how many pages;
+//! 1. two u32: how many words of 64 bricks, how many mixed bricks;
 //! 2. each word: u64 place, u64 bricks, u64 full ones, u64 mixed ones. A place is the x, y and z of a leaf of 8^3
 //!    bricks (16 bits each, the lowest first) and the index of the word in it (16 bits);
 //! 3. the eight u64 of each mixed brick;
-//! 4. each page: u32 linear index, u32 packed bytes (0 for a brick without a page), and these bytes, packed
-//!    as in .vsc files;
-//! 5. where the step changed the mask: its record, in the same form without pages.
+//! 4. the colours ([`super::colours`]);
+//! 5. where the step changed the mask: its record, in the same form.
 //!
-//! Records of earlier versions of the program name bricks by linear index instead ([`read_linear`]):
+//! Earlier versions of the program wrote two other layouts, which are only read. [`Layout::Pages`] differs thus:
+//!
+//! 1. a third u32: how many pages;
+//! 4. in place of the colours each page: u32 linear index, u32 packed bytes (0 for a brick without a page), and these
+//!    bytes, packed as in .vsc files.
+//!
+//! [`Layout::Linear`] is that of `Pages`, but:
 //!
 //! 1. five u32: how many masks of empty, full and mixed bricks, how many mixed bricks, how many pages;
 //! 2. each mask: u32 linear index of its first brick divided by 64, u64 bricks; the empty ones first, then the full,
-//!    then the mixed. The rest is the same.
+//!    then the mixed.
 
 use std::io::{BufRead, Write};
 
@@ -20,20 +25,18 @@ use glam::UVec3;
 
 use super::ContentsShape;
 use super::blocks::{BlockReader, BlockWriter};
+use super::colours;
 use crate::format::FormatError;
-use crate::format::vsc::chunk::{pack_page, unpack_page};
-use crate::sculpture::brick::{BRICK_VOXELS, local_coords};
+use crate::sculpture::brick::local_coords;
 use crate::sculpture::brick_set::LeafKey;
+use crate::sculpture::colour_record::ColourRecord;
 use crate::sculpture::grid::{brick_dims, unflatten, valid_mask};
 use crate::sculpture::index_set::{IndexMask, IndexSet};
-use crate::sculpture::material::Page;
 use crate::sculpture::record::{BrickRecord, WordRecord};
 use crate::sculpture::{Brick, ColourDepth};
 
-const FAULT: FormatError = FormatError::Damaged("an undo step does not fit its sculpture");
-
-/// Greatest size of a packed page, in bytes.
-const MAX_PACKED_PAGE: usize = 1 + BRICK_VOXELS as usize * 3;
+pub(super) const FAULT: FormatError =
+    FormatError::Damaged("an undo step does not fit its sculpture");
 
 /// Packs a record to `out`, block by block.
 pub fn write(record: &BrickRecord, out: &mut dyn Write) -> std::io::Result<()> {
@@ -48,7 +51,6 @@ pub fn write(record: &BrickRecord, out: &mut dyn Write) -> std::io::Result<()> {
 fn write_part(record: &BrickRecord, blocks: &mut BlockWriter) -> std::io::Result<()> {
     blocks.u32(record.word_count() as u32)?;
     blocks.u32(record.mixed_bits().len() as u32)?;
-    blocks.u32(record.pages().len() as u32)?;
     for word in record.words() {
         let UVec3 { x, y, z } = word.leaf.coords();
         let place = [x, y, z, u32::from(word.word)];
@@ -60,40 +62,30 @@ fn write_part(record: &BrickRecord, blocks: &mut BlockWriter) -> std::io::Result
     for &word in record.mixed_bits().iter().flat_map(|brick| &brick.words) {
         blocks.u64(word)?;
     }
-    let mut packed = Vec::new();
-    for (index, page) in record.pages() {
-        packed.clear();
-        if let Some(page) = page {
-            pack_page(page, page.len() / BRICK_VOXELS as usize, &mut packed);
-        }
-        blocks.u32(*index)?;
-        blocks.u32(packed.len() as u32)?;
-        blocks.bytes(&packed)?;
-    }
-    Ok(())
+    colours::write(record.colours().unwrap_or(&ColourRecord::default()), blocks)
+}
+
+/// The layouts of records in files, of all versions of the program.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Layout {
+    /// Bricks and colours by cubes: the layout that is written.
+    Cubes,
+    /// Bricks by leaf, a page of colours for each brick.
+    Pages,
+    /// Bricks by linear index, a page of colours for each brick.
+    Linear,
 }
 
 /// Unpacks a record for contents of `shape`.
-pub fn read(packed: &mut dyn BufRead, shape: ContentsShape) -> Result<BrickRecord, FormatError> {
-    read_parts(packed, shape, read_part)
-}
-
-/// Unpacks a record that names bricks by linear index, for contents of `shape`.
-pub fn read_linear(
+pub fn read(
     packed: &mut dyn BufRead,
     shape: ContentsShape,
+    layout: Layout,
 ) -> Result<BrickRecord, FormatError> {
-    read_parts(packed, shape, read_linear_part)
-}
-
-/// Reads a part of a record: that of the sculpture, or that of the mask.
-type PartReader = fn(&mut BlockReader, ContentsShape) -> Result<BrickRecord, FormatError>;
-
-fn read_parts(
-    packed: &mut dyn BufRead,
-    shape: ContentsShape,
-    part: PartReader,
-) -> Result<BrickRecord, FormatError> {
+    let part = |blocks: &mut BlockReader, shape| match layout {
+        Layout::Linear => read_linear_part(blocks, shape),
+        Layout::Cubes | Layout::Pages => read_part(blocks, shape, layout),
+    };
     let mut blocks = BlockReader::new(packed);
     let record = part(&mut blocks, shape)?;
     if blocks.is_empty()? {
@@ -107,11 +99,11 @@ fn read_parts(
 }
 
 /// Returns the number of bricks of a sculpture.
-fn brick_count(shape: ContentsShape) -> u64 {
+pub(super) fn brick_count(shape: ContentsShape) -> u64 {
     brick_dims(shape.dims).as_u64vec3().element_product()
 }
 
-/// Returns the counts at the beginning of a part, the last of which is that of the pages.
+/// Returns the counts at the beginning of a part.
 fn read_counts<const N: usize>(
     blocks: &mut BlockReader,
     shape: ContentsShape,
@@ -120,18 +112,22 @@ fn read_counts<const N: usize>(
     for count in &mut counts {
         *count = blocks.u32()? as usize;
     }
-    let has_pages = counts.last().is_some_and(|count| *count > 0);
     // Each brick is named at most once, though a word may be named for several of its bricks.
     let is_possible = counts.iter().all(|&count| count as u64 <= brick_count(shape));
-    if !is_possible || (has_pages && shape.depth == ColourDepth::None) {
-        return Err(FAULT);
-    }
-    Ok(counts)
+    if is_possible { Ok(counts) } else { Err(FAULT) }
 }
 
-fn read_part(blocks: &mut BlockReader, shape: ContentsShape) -> Result<BrickRecord, FormatError> {
+fn read_part(
+    blocks: &mut BlockReader,
+    shape: ContentsShape,
+    layout: Layout,
+) -> Result<BrickRecord, FormatError> {
     let dims = brick_dims(shape.dims);
-    let [word_count, mixed_count, page_count] = read_counts(blocks, shape)?;
+    let [word_count, mixed_count] = read_counts(blocks, shape)?;
+    let page_count = match layout {
+        Layout::Pages => Some(read_counts::<1>(blocks, shape)?[0]),
+        Layout::Cubes | Layout::Linear => None,
+    };
     let mut words: Vec<WordRecord> = Vec::with_capacity(word_count);
     let mut mixed = 0;
     for _ in 0..word_count {
@@ -171,8 +167,11 @@ fn read_part(blocks: &mut BlockReader, shape: ContentsShape) -> Result<BrickReco
             mixed_bits.push(brick);
         }
     }
-    let pages = read_pages(blocks, shape, page_count)?;
-    Ok(BrickRecord::from_parts(words, mixed_bits, pages))
+    let colours = match page_count {
+        Some(page_count) => colours::read_pages(blocks, shape, page_count)?,
+        None => colours::read(blocks, shape)?,
+    };
+    Ok(BrickRecord::from_parts(words, mixed_bits).with_colours(colours))
 }
 
 fn read_linear_part(
@@ -225,9 +224,9 @@ fn read_linear_part(
         }
         values.push((b, brick));
     }
-    let pages = read_pages(blocks, shape, page_count)?;
+    let colours = colours::read_pages(blocks, shape, page_count)?;
     let record = BrickRecord::of_bricks(values, |b| valid_mask(shape.dims, b));
-    Ok(record.with_pages(pages))
+    Ok(record.with_colours(colours))
 }
 
 fn read_brick(blocks: &mut BlockReader) -> Result<Brick, FormatError> {
@@ -236,33 +235,4 @@ fn read_brick(blocks: &mut BlockReader) -> Result<Brick, FormatError> {
         *word = blocks.u64()?;
     }
     Ok(brick)
-}
-
-fn read_pages(
-    blocks: &mut BlockReader,
-    shape: ContentsShape,
-    page_count: usize,
-) -> Result<Vec<(u32, Option<Page>)>, FormatError> {
-    let mut painted = IndexSet::new(brick_count(shape) as usize);
-    let mut pages = Vec::with_capacity(page_count);
-    let mut packed = vec![0; MAX_PACKED_PAGE];
-    for _ in 0..page_count {
-        let (index, length) = (blocks.u32()?, blocks.u32()? as usize);
-        let packed = packed.get_mut(..length).ok_or(FAULT)?;
-        if u64::from(index) >= brick_count(shape) || painted.contains(index) {
-            return Err(FAULT);
-        }
-        painted.insert(index);
-        blocks.fill(packed)?;
-        let mut rest = &*packed;
-        let page = match length {
-            0 => None,
-            _ => Some(unpack_page(shape.depth.bytes(), &mut rest)?),
-        };
-        if !rest.is_empty() {
-            return Err(FAULT);
-        }
-        pages.push((index, page));
-    }
-    Ok(pages)
 }

@@ -115,6 +115,31 @@ fn long_records_pass_through_many_blocks() {
     assert_eq!(before, after);
 }
 
+/// Whole cubes of one colour, of many, and of none.
+#[test]
+fn colours_of_whole_cubes_are_read_back() {
+    let mut document = document(UVec3::new(136, 128, 72), ColourDepth::Bits16);
+    for line in [
+        "recolour cuboid at=64,64,0 half=64,64,64 colour=#204080",
+        "undo",
+        "redo",
+        "dye colour=#ff8000",
+        "noise colour=#204060 size=8 amount=1",
+        "recolour ellipsoid at=30,40,30 half=20 colour=#102030",
+        "recolour cuboid at=64,64,0 half=64,64,64 colour=#ff00ff",
+        "clear",
+        "add cuboid at=64,64,0 half=64,64,64 colour=#00ff00",
+        "undo 4",
+    ] {
+        document.apply(&line.parse::<Command>().unwrap()).unwrap();
+    }
+    let before = document.history().snapshot();
+    let (undo, redo) = (packed(&before.undo), packed(&before.redo));
+    let shape = ContentsShape::of(document.contents());
+    let after = read_steps([&undo, &redo], shape, &Limits::default()).unwrap();
+    assert_eq!(before, after);
+}
+
 #[test]
 fn the_steps_furthest_away_are_dropped_first() {
     let mut document = document(UVec3::splat(16), ColourDepth::None);

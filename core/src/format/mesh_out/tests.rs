@@ -26,7 +26,7 @@ fn subject() -> Contents {
         r < 8.0 - p.y * 0.4 && r > 2.0 && p.y < 15.0
     });
     let mut material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::STONE);
-    material.paint(0, &Brick::FULL, RED);
+    material.paint(glam::UVec3::ZERO, &Brick::FULL, RED);
     Contents::new(grid, material)
 }
 
@@ -296,7 +296,7 @@ fn the_progress_of_writing_ends_near_the_whole() {
     // Some hundred thousand faces: a comb of walls.
     let grid = grid_of(80, |p| p.x as u32 % 4 < 2 && p.x > 2.0);
     let mut material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::STONE);
-    material.paint(0, &Brick::FULL, RED);
+    material.paint(glam::UVec3::ZERO, &Brick::FULL, RED);
     let contents = Contents::new(grid, material);
     let folder = tempfile::tempdir().unwrap();
     for (name, kind) in [
@@ -339,7 +339,7 @@ impl crate::progress::Progress for CancelledAfter {
 fn work_that_is_cancelled_at_any_moment_leaves_no_file() {
     let grid = grid_of(48, |p| p.x as u32 % 4 < 2 && p.x > 2.0);
     let mut material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::STONE);
-    material.paint(0, &Brick::FULL, RED);
+    material.paint(glam::UVec3::ZERO, &Brick::FULL, RED);
     let contents = Contents::new(grid, material);
     let folder = tempfile::tempdir().unwrap();
     for (name, kind) in

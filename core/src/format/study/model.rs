@@ -75,9 +75,9 @@ impl ModelStudy {
             if portion.is_multiple_of(PORTION) {
                 go_on(progress)?;
             }
-            let (index, corner) = (grid.brick_index(b), (b * BRICK_EDGE_VX).as_ivec3());
+            let (page, corner) = (material.page(b), (b * BRICK_EDGE_VX).as_ivec3());
             brick.for_each(|local| {
-                let colour = material.rgb(index, local);
+                let colour = page.map_or(material.base(), |page| page.rgb(local));
                 if colour != last {
                     *counts.entry(last).or_default() += run;
                     (last, run) = (colour, 0);

@@ -139,43 +139,57 @@ fn survey(model: &dyn Model, progress: &dyn Progress) -> Result<Survey, FormatEr
 struct Filler {
     grid: Grid,
     material: Material,
-    at_hand: Option<(usize, Brick, Option<Page>)>,
+    at_hand: Option<BrickAtHand>,
     budget: u64,
+}
+
+/// The brick that is being filled.
+struct BrickAtHand {
+    b: UVec3,
+    brick: Brick,
+    /// Its packed colours, once one of them is not the base colour.
+    colours: Option<Vec<u8>>,
 }
 
 impl Filler {
     fn put(&mut self, v: UVec3, rgb: Rgb) -> Result<(), FormatError> {
-        let index = self.grid.brick_index(v / BRICK_EDGE_VX);
-        if self.at_hand.as_ref().is_none_or(|(at_hand, ..)| *at_hand != index) {
+        let b = v / BRICK_EDGE_VX;
+        if self.at_hand.as_ref().is_none_or(|at_hand| at_hand.b != b) {
             self.put_back();
-            let page = self.material.swap_page(index, None);
-            self.at_hand = Some((index, *self.grid.brick_at(index), page));
+            let colours = self.material.page(b).map(|page| {
+                let mut colours = vec![0; self.material.page_bytes()];
+                page.write_to(&mut colours);
+                colours
+            });
+            self.at_hand = Some(BrickAtHand { b, brick: *self.grid.brick(b), colours });
         }
-        let Some((_, brick, page)) = &mut self.at_hand else { return Ok(()) };
+        let Some(BrickAtHand { brick, colours, .. }) = &mut self.at_hand else { return Ok(()) };
         let UVec3 { x, y, z } = v % BRICK_EDGE_VX;
         brick.set(x, y, z, true);
         let depth = self.material.depth();
         if depth == ColourDepth::None {
             return Ok(());
         }
-        if page.is_none() && depth.quantise(rgb) != self.material.base() {
-            check_colour_budget(self.material.bytes_with(1), self.budget)?;
-            let mut blank = vec![0; self.material.page_bytes()].into_boxed_slice();
+        if colours.is_none() && depth.quantise(rgb) != self.material.base() {
+            let needed = self.material.heap_bytes() + self.material.bytes_for_pages(1, u64::MAX);
+            check_colour_budget(needed, self.budget)?;
+            let mut blank = vec![0; self.material.page_bytes()];
             let base = self.material.base();
             blank.chunks_exact_mut(depth.bytes()).for_each(|colour| depth.write(base, colour));
-            *page = Some(blank);
+            *colours = Some(blank);
         }
-        if let Some(page) = page {
-            depth.write(rgb, &mut page[local_index(x, y, z) as usize * depth.bytes()..]);
+        if let Some(colours) = colours {
+            depth.write(rgb, &mut colours[local_index(x, y, z) as usize * depth.bytes()..]);
         }
         Ok(())
     }
 
     fn put_back(&mut self) {
-        if let Some((index, brick, page)) = self.at_hand.take() {
-            self.grid.set_brick(index, brick);
-            if page.is_some() {
-                self.material.swap_page(index, page);
+        if let Some(BrickAtHand { b, brick, colours }) = self.at_hand.take() {
+            self.grid.set_brick(self.grid.brick_index(b), brick);
+            if let Some(colours) = colours {
+                let page = Page::of_bytes(&colours, self.material.depth());
+                self.material.set_page(b, Some(page));
             }
         }
     }

@@ -66,11 +66,11 @@ fn fill(contents: &Contents, layer: u32, slab: &mut [u32]) {
     let UVec3 { x: width, y: height, .. } = grid.dims();
     for by in 0..grid.brick_dims().y {
         for (bx, brick) in grid.nonempty_in_row(by, layer) {
-            let index = grid.brick_index(UVec3::new(bx, by, layer));
+            let page = material.page(UVec3::new(bx, by, layer));
             brick.for_each(|local| {
                 let [x, y, z] = local_coords(local);
                 let at = bx * BRICK_EDGE_VX + x + width * (by * BRICK_EDGE_VX + y);
-                let [r, g, b] = material.rgb(index, local).0;
+                let [r, g, b] = page.map_or(material.base(), |page| page.rgb(local)).0;
                 let place = at as usize + width as usize * height as usize * z as usize;
                 slab[place] = u32::from_le_bytes([r, g, b, 255]);
             });

@@ -5,7 +5,7 @@
 
 use std::collections::HashMap;
 
-use glam::DVec3;
+use glam::{DVec3, UVec3};
 use rayon::prelude::*;
 
 use crate::sculpture::history::Contents;
@@ -56,13 +56,14 @@ pub fn palette(contents: &Contents, most: usize) -> Palette {
 /// Returns the number of voxels of each colour.
 fn histogram(contents: &Contents) -> HashMap<Rgb, u64> {
     let (grid, material) = (&contents.grid, &contents.material);
-    let bricks: Vec<(usize, &Brick)> =
-        grid.nonempty_bricks().map(|(at, brick)| (grid.brick_index(at), brick)).collect();
-    let count = |mut counts: HashMap<Rgb, u64>, (index, brick): &(usize, &Brick)| {
-        match material.page(*index) {
-            None => *counts.entry(material.base()).or_default() += u64::from(brick.count()),
-            Some(_) => brick.for_each(|local| {
-                *counts.entry(material.rgb(*index, local)).or_default() += 1;
+    let bricks: Vec<(UVec3, &Brick)> = grid.nonempty_bricks().collect();
+    let count = |mut counts: HashMap<Rgb, u64>, (b, brick): &(UVec3, &Brick)| {
+        let page = material.page(*b);
+        match page.map_or(Some(material.base()), |page| page.uniform()) {
+            Some(colour) => *counts.entry(colour).or_default() += u64::from(brick.count()),
+            None => brick.for_each(|local| {
+                let colour = page.map_or(material.base(), |page| page.rgb(local));
+                *counts.entry(colour).or_default() += 1;
             }),
         }
         counts

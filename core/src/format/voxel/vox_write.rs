@@ -123,10 +123,11 @@ fn write_block(
         let row = grid.nonempty_in_row(y, z).filter(|(x, _)| (first.x..end.x).contains(x));
         for (x, brick) in row {
             let at = UVec3::new(x, y, z);
-            let (index, corner) = (grid.brick_index(at), at * BRICK_EDGE_VX - block.low);
+            let (page, corner) = (material.page(at), at * BRICK_EDGE_VX - block.low);
             brick.for_each(|local| {
                 let v = corner + UVec3::from(local_coords(local));
-                let colour = palette.index(material.rgb(index, local)) + 1;
+                let colour =
+                    palette.index(page.map_or(material.base(), |page| page.rgb(local))) + 1;
                 bytes.extend([v.x as u8, (depth - 1 - v.z) as u8, v.y as u8, colour]);
             });
         }

@@ -19,7 +19,7 @@ use glam::UVec3;
 use crate::format::FormatError;
 use crate::sculpture::brick::BRICK_VOXELS;
 use crate::sculpture::grid::BrickRun;
-use crate::sculpture::material::Page;
+use crate::sculpture::material::{MAX_PAGE_BYTES, Page, PageView};
 use crate::sculpture::{Brick, ColourDepth};
 
 const EMPTY: u8 = 0;
@@ -67,18 +67,17 @@ impl ChunkEntry {
     }
 }
 
-/// Packs bricks, given with their coordinates. `valid` returns the bits that a brick may have, `page` its colours by the
-/// index in the chunk.
+/// Packs bricks, given with their coordinates. `valid` returns the bits that a brick may have, `page` its
+/// colours.
 pub fn pack<'a>(
     bricks: impl Iterator<Item = (UVec3, &'a Brick)>,
     valid: impl Fn(UVec3) -> Brick,
-    page: impl Fn(usize) -> Option<&'a [u8]>,
-    depth: ColourDepth,
+    mut page: impl FnMut(UVec3) -> Option<PageView<'a>>,
 ) -> (ChunkEntry, Vec<u8>) {
     let mut classes = Vec::with_capacity(bricks.size_hint().1.unwrap_or(0) * 16);
     let (mut shapes, mut words, mut pages) = (Vec::new(), Vec::new(), Vec::new());
     let mut page_count = 0;
-    for (i, (b, brick)) in bricks.enumerate() {
+    for (b, brick) in bricks {
         let class = if brick.is_empty() {
             EMPTY
         } else if brick.is_full() || *brick == valid(b) {
@@ -99,10 +98,10 @@ pub fn pack<'a>(
             shapes.extend_from_slice(&shape.to_le_bytes());
             MIXED
         };
-        let colours = page(i);
+        let colours = page(b);
         if let Some(colours) = colours {
             page_count += 1;
-            pack_page(colours, depth.bytes(), &mut pages);
+            pack_page(colours, &mut pages);
         }
         classes.push(class | if colours.is_some() { HAS_PAGE } else { 0 });
     }
@@ -168,7 +167,7 @@ pub fn unpack(
     let mut pages = Vec::with_capacity(entry.pages as usize);
     for (i, class) in classes.iter().enumerate() {
         if class & HAS_PAGE != 0 {
-            pages.push((i, unpack_page(depth.bytes(), &mut rest)?));
+            pages.push((i, unpack_page(depth, &mut rest)?));
         }
     }
     if !rest.is_empty() || pages.len() != entry.pages as usize {
@@ -205,8 +204,16 @@ fn take<'a>(rest: &mut &'a [u8], count: usize) -> Result<&'a [u8], FormatError> 
     Ok(taken)
 }
 
-/// Packs the colours of a brick, `bytes` each, as in part 4 above.
-pub(crate) fn pack_page(colours: &[u8], bytes: usize, out: &mut Vec<u8>) {
+/// Packs the colours of a brick, as in part 4 above.
+pub(crate) fn pack_page(page: PageView, out: &mut Vec<u8>) {
+    let bytes = page.depth().bytes();
+    let mut buffer = [0; MAX_PAGE_BYTES];
+    let colours = page.write_to(&mut buffer);
+    if page.uniform().is_some() {
+        out.push(1);
+        out.extend_from_slice(&colours[..bytes]);
+        return;
+    }
     let mut palette: Vec<&[u8]> = Vec::with_capacity(PALETTE);
     let mut places = [0u8; VOXELS];
     for (colour, place) in colours.chunks_exact(bytes.max(1)).zip(&mut places) {
@@ -232,26 +239,29 @@ pub(crate) fn pack_page(colours: &[u8], bytes: usize, out: &mut Vec<u8>) {
     }
 }
 
-/// Unpacks the colours of a brick, `bytes` each, and advances `rest` past them.
-pub(crate) fn unpack_page(bytes: usize, rest: &mut &[u8]) -> Result<Page, FormatError> {
+/// Unpacks the colours of a brick and advances `rest` past them.
+pub(crate) fn unpack_page(depth: ColourDepth, rest: &mut &[u8]) -> Result<Page, FormatError> {
+    let bytes = depth.bytes();
     let count = usize::from(take(rest, 1)?[0]);
     if count == 0 {
-        return Ok(take(rest, VOXELS * bytes)?.into());
+        return Ok(Page::of_bytes(take(rest, VOXELS * bytes)?, depth));
     }
     if count > PALETTE {
         return Err(FormatError::Damaged("a page has too many colours"));
     }
     let palette = take(rest, count * bytes)?;
     if count == 1 {
-        return Ok(palette.repeat(VOXELS).into());
+        return Ok(Page::uniform(depth.read(palette), depth));
     }
-    let mut page = Vec::with_capacity(VOXELS * bytes);
-    for both in take(rest, VOXELS / 2)? {
-        for place in [both & 15, both >> 4] {
+    let mut buffer = [0; MAX_PAGE_BYTES];
+    let page = &mut buffer[..VOXELS * bytes];
+    let voxels = page.chunks_exact_mut(2 * bytes.max(1));
+    for (pair, both) in voxels.zip(take(rest, VOXELS / 2)?) {
+        for (out, place) in pair.chunks_exact_mut(bytes.max(1)).zip([both & 15, both >> 4]) {
             let at = usize::from(place) * bytes;
             let colour = palette.get(at..at + bytes);
-            page.extend_from_slice(colour.ok_or(FormatError::Damaged("a colour is missing"))?);
+            out.copy_from_slice(colour.ok_or(FormatError::Damaged("a colour is missing"))?);
         }
     }
-    Ok(page.into())
+    Ok(Page::of_bytes(page, depth))
 }

@@ -119,7 +119,8 @@ pub fn write_to(
                 return (ChunkEntry::default(), Vec::new());
             }
             let bricks = grid.bricks_from(first).take(CHUNK_BRICKS as usize);
-            chunk::pack(bricks, |b| grid.valid_mask(b), |at| material.page(first + at), depth)
+            let mut colours = material.reader();
+            chunk::pack(bricks, |b| grid.valid_mask(b), |b| colours.page(b))
         })
         .collect();
     progress.end();
@@ -224,7 +225,7 @@ pub(crate) fn read_header(file: &[u8], limits: &Limits) -> Result<VscHeader, For
         return Err(FormatError::Damaged("it is shorter or longer than it says"));
     }
     let base = Rgb([r, g, b]);
-    check_colours(&entries, &Material::new(colour_depth, base, bricks as usize), limits)?;
+    check_colours(&entries, &Material::new(colour_depth, base, dims), limits)?;
     Ok(VscHeader {
         dims,
         voxel_size,
@@ -268,6 +269,9 @@ fn entries(
     Ok(entries)
 }
 
+/// Most bytes that a page takes in memory beyond those that it takes in a chunk, before the chunk is packed.
+const PAGE_MORE_BYTES: u64 = 96;
+
 /// Checks the memory that the colours of all pages would take.
 fn check_colours(
     entries: &[ChunkEntry],
@@ -278,7 +282,10 @@ fn check_colours(
     if pages == 0 {
         return Ok(());
     }
-    check_colour_budget(colours.bytes_with(pages), limits.colour_bytes)
+    let plain = entries.iter().filter(|entry| entry.pages > 0);
+    let plain: u64 = plain.map(|entry| u64::from(entry.plain_bytes)).sum();
+    let needed = colours.bytes_for_pages(pages, plain + pages * PAGE_MORE_BYTES);
+    check_colour_budget(needed, limits.colour_bytes)
 }
 
 /// Unpacks a sculpture, within `limits`.
@@ -312,9 +319,8 @@ pub fn read(
         });
     progress.end();
     let mut material = Material::for_grid(&grid, depth, base);
-    for (brick, page) in pages?.into_iter().flatten() {
-        material.swap_page(brick, Some(page));
-    }
+    let pages = pages?.into_iter().flatten();
+    material.set_pages(pages.map(|(index, page)| (grid.brick_coords(index), page)).collect());
     let mut contents = Contents { surface: header.surface, ..Contents::new(grid, material) };
     if header.has_mask {
         contents.mask = Some(Box::new(read_mask(rest, &contents.grid, limits)?));

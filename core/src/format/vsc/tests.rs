@@ -31,10 +31,14 @@ fn sculpture(dims: [u32; 3], depth: ColourDepth, seed: u64) -> Contents {
             _ => continue,
         };
         let mask = Brick { words: std::array::from_fn(|_| random.next_u64()) };
-        material.paint_each(brick, if colours == 1 { &Brick::FULL } else { &mask }, |i| {
-            let shade = (u64::from(i) * 7 % colours) as u8;
-            Rgb::new(shade.wrapping_mul(37), 255 - shade, seed as u8)
-        });
+        material.paint_each(
+            grid.brick_coords(brick),
+            if colours == 1 { &Brick::FULL } else { &mask },
+            |i| {
+                let shade = (u64::from(i) * 7 % colours) as u8;
+                Rgb::new(shade.wrapping_mul(37), 255 - shade, seed as u8)
+            },
+        );
     }
     Contents::new(grid, material)
 }
@@ -184,8 +188,10 @@ proptest! {
                     prop_assert_eq!(grid.brick_kind(index), kind);
                     let valid = grid.valid_mask(grid.brick_coords(index));
                     prop_assert_eq!(brick.and_not(&valid), Brick::EMPTY);
-                    let page = material.page(index);
-                    prop_assert!(page.is_none_or(|page| page.len() == material.page_bytes()));
+                    let page = material.page(grid.brick_coords(index));
+                    let bytes = page.map(|page| page.write_to(&mut [0; 1536]).to_vec());
+                    let page = page.map(|page| page.to_page());
+                    prop_assert_eq!(page, bytes.map(|bytes| Page::of_bytes(&bytes, material.depth())));
                 }
             }
         }

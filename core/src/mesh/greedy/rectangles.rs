@@ -254,7 +254,7 @@ fn has_one_colour(contents: &Contents, voxel: IVec3) -> bool {
     let low = (voxel - 1).clamp(IVec3::ZERO, last).as_uvec3();
     let high = (voxel + 1).clamp(IVec3::ZERO, last).as_uvec3();
     let (first, end) = (low / BRICK_EDGE_VX, high / BRICK_EDGE_VX);
-    let is_painted = |b: UVec3| material.page(grid.brick_index(b)).is_some();
+    let is_painted = |b: UVec3| material.page(b).is_some();
     if !within(first, end).any(is_painted) {
         return true;
     }

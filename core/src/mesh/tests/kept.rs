@@ -42,8 +42,9 @@ impl Versions {
     fn next(&mut self, contents: &Contents) -> ContentsVersion {
         let last = self.last.replace(contents.clone());
         let differs = |last: &Contents, brick: usize| {
+            let b = contents.grid.brick_coords(brick);
             last.grid.brick_at(brick) != contents.grid.brick_at(brick)
-                || last.material.page(brick) != contents.material.page(brick)
+                || last.material.page(b) != contents.material.page(b)
         };
         let last = last.filter(|last| last.grid.dims() == contents.grid.dims());
         let changed = last.map(|last| {
@@ -94,7 +95,7 @@ fn a_kept_mesh_follows_edits_undo_and_other_sculptures() {
             expect_same(&mut kept, contents, &version, when);
         };
         let mut now = contents(grid_of(72, |p| p.distance(Vec3::splat(36.0)) < 33.0));
-        now.material.paint(500, &Brick::FULL, Rgb::new(1, 200, 3));
+        now.material.paint(now.grid.brick_coords(500), &Brick::FULL, Rgb::new(1, 200, 3));
         let start = now.clone();
         follow(&start, "start");
         for step in 0..6 {
@@ -107,7 +108,7 @@ fn a_kept_mesh_follows_edits_undo_and_other_sculptures() {
                 }
             }
             let brick = random.next_u64() as usize % now.grid.brick_count();
-            now.material.paint(brick, &Brick::FULL, Rgb::new(step, 7, 7));
+            now.material.paint(now.grid.brick_coords(brick), &Brick::FULL, Rgb::new(step, 7, 7));
             follow(&now, &format!("step {step}"));
         }
         follow(&start, "undone");

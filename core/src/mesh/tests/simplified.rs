@@ -93,7 +93,7 @@ fn colours_keep_their_places() {
     let red = Rgb::new(255, 0, 0);
     for index in 0..contents.grid.brick_count() {
         if contents.grid.brick_coords(index).x < 2 {
-            contents.material.paint(index, &Brick::FULL, red);
+            contents.material.paint(contents.grid.brick_coords(index), &Brick::FULL, red);
         }
     }
     let fewer =

@@ -214,8 +214,8 @@ fn vertices_have_the_mean_colour_of_their_voxels() {
     let red = Rgb::new(255, 0, 0);
     let mut first = Brick::EMPTY;
     first.set(0, 0, 0, true);
-    contents.material.paint(0, &first, red);
-    assert_eq!(contents.material.rgb(0, local_index(0, 0, 0)), red);
+    contents.material.paint(UVec3::ZERO, &first, red);
+    assert_eq!(contents.material.rgb(UVec3::ZERO, local_index(0, 0, 0)), red);
     for kind in KINDS {
         let mesh = mesh(&contents, kind);
         assert!(mesh.is_coloured());
@@ -235,7 +235,7 @@ fn vertices_have_the_mean_colour_of_their_voxels() {
 #[test]
 fn faces_are_not_merged_where_colours_change() {
     let mut contents = contents(of_bits(UVec3::new(16, 16, 8), |_| true));
-    contents.material.paint(0, &Brick::FULL, Rgb::new(0, 0, 255));
+    contents.material.paint(UVec3::ZERO, &Brick::FULL, Rgb::new(0, 0, 255));
     let colours = |kind| {
         let mesh = mesh(&contents, kind);
         let all = mesh.positions().zip(mesh.colours());

@@ -239,8 +239,8 @@ fn the_file_is_its_owners_alone_and_goes_with_the_session() {
     let spills = [make(), make()];
     for (document, spill) in documents.iter_mut().zip(&spills) {
         document.use_step_store(spill.clone());
-        for x in [4, 12, 20, 28] {
-            let line = format!("recolour cuboid at={x},9,9 half=9 colour=#ff0000");
+        for seed in 1..5 {
+            let line = format!("noise colour=#ff0000 size=3 amount=1 seed={seed}");
             document.apply(&line.parse().unwrap()).unwrap();
         }
         spill.wait();
@@ -274,8 +274,9 @@ fn a_whole_sculpture_painted_twelve_times_comes_back_with_little_memory() {
     let first = document.contents().clone();
     let mut painted = Vec::new();
     for pass in 0..12 {
-        // A step of 2.7 MiB, more than the whole memory for the history.
-        document.apply(&format!("dye colour=#{:02x}8040", pass * 17).parse().unwrap()).unwrap();
+        // Many colours a brick: a step of 2.7 MiB, more than the whole memory for the history.
+        let line = format!("noise colour=#{:02x}8040 size=3 amount=1 seed={pass}", pass * 17);
+        document.apply(&line.parse().unwrap()).unwrap();
         assert!(document.history().bytes() <= 1 << 20);
         painted.push(crate::sculpture::Digest::of(document.contents()));
     }

@@ -8,7 +8,7 @@ use crate::sculpture::brick::{BRICK_EDGE_VX, Brick};
 
 /// The size of a grid.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Extent {
+pub(in crate::sculpture) struct Extent {
     /// In voxels.
     pub dims: UVec3,
     /// In bricks, the last ones possibly cut.

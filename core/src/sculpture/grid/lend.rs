@@ -122,6 +122,15 @@ pub(in crate::sculpture) struct LeafPlace {
     extent: Extent,
 }
 
+impl LeafPlace {
+    /// Returns whether the border of the grid cuts no brick of a cube.
+    pub fn holds_whole_bricks(&self, cube: Cube) -> bool {
+        let dims = self.extent.dims;
+        let end = (cube.low + (1 << cube.log2)) * BRICK_EDGE_VX;
+        end.min(dims).map(|end| end % BRICK_EDGE_VX) == UVec3::ZERO
+    }
+}
+
 /// The leaves that an edit opens, and those that it has changed at once.
 #[derive(Debug, Default)]
 pub(in crate::sculpture) struct Lent {

@@ -17,11 +17,11 @@ use glam::UVec3;
 
 /// Children along one edge of a node, and the logarithm of that.
 pub(super) const NODE_EDGE: u32 = 8;
-pub(super) const NODE_EDGE_LOG2: u32 = 3;
+pub(in crate::sculpture) const NODE_EDGE_LOG2: u32 = 3;
 
 /// A child among the 512 of a node: a word of the masks, and the bit in it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Slot {
+pub(in crate::sculpture) struct Slot {
     pub word: usize,
     pub bit: u32,
 }

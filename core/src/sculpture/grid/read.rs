@@ -7,8 +7,9 @@ use glam::UVec3;
 
 use super::extent::Extent;
 use super::node::{NODE_EDGE_LOG2, Slot, TreeNode};
-use super::{BRICK_EDGE_VX, Grid, row_of};
+use super::{BRICK_EDGE_VX, Cube, Grid, row_of, visit};
 use crate::sculpture::brick::{Brick, BrickKind, local_coords};
+use crate::sculpture::region::BrickBox;
 
 /// The part of a tree that holds a brick.
 #[derive(Clone, Copy)]
@@ -75,6 +76,21 @@ impl Grid {
                 &cut[is_last as usize & 7]
             }
         }
+    }
+
+    /// Lets `opens` decide for each cube that holds bricks of `bounds` whether to look into it, and returns the
+    /// coordinates of the leaves for which it was true.
+    pub(in crate::sculpture) fn visit(
+        &self,
+        bounds: BrickBox,
+        opens: &mut dyn FnMut(Cube) -> bool,
+    ) -> Vec<UVec3> {
+        visit::leaves_in(&self.root, self.levels, bounds, opens)
+    }
+
+    /// Returns whether the border of the grid cuts no brick of a cube.
+    pub(in crate::sculpture) fn holds_whole_bricks(&self, cube: Cube) -> bool {
+        self.leaf_place().holds_whole_bricks(cube)
     }
 
     /// Returns the bricks from a linear index on ([`Grid::brick_index`]), in linear order, with their coordinates.

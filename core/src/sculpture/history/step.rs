@@ -72,16 +72,14 @@ pub struct Step {
 impl Step {
     /// Returns a copy, unless the system lacks the memory for it.
     pub fn copied(&self) -> Result<Step, NoMemory> {
-        let whole = |contents: &Contents| contents.copied().map(Box::new);
         let change = match &self.change {
             StepChange::Bricks(record) => {
                 let no_memory = |_| NoMemory { bytes: record.heap_bytes() as u64 };
                 StepChange::Bricks(record.copied().map_err(no_memory)?)
             }
-            StepChange::Whole(contents) => StepChange::Whole(whole(contents)?),
+            StepChange::Whole(contents) => StepChange::Whole(contents.clone()),
             StepChange::Oriented { back, before } => {
-                let before = before.as_ref().map(|before| whole(before)).transpose()?;
-                StepChange::Oriented { back: *back, before }
+                StepChange::Oriented { back: *back, before: before.clone() }
             }
             StepChange::Surface(kind) => StepChange::Surface(*kind),
             StepChange::Stored(stored) => StepChange::Stored(stored.clone()),

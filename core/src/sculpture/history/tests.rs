@@ -2,6 +2,8 @@ use glam::{UVec3, Vec3};
 use proptest::prelude::*;
 
 use super::*;
+use crate::sculpture::colour_record::ColourRecord;
+use crate::sculpture::material::Page;
 use crate::sculpture::record::BrickRecord;
 use crate::sculpture::{Brick, ColourDepth, Grid, Material, Rgb};
 
@@ -18,7 +20,10 @@ fn step(name: usize, bricks: u8) -> Step {
     let named = (0..u32::from(bricks).min(64)).map(|x| (UVec3::new(x, 1, 0), bits)).collect();
     let mut record = BrickRecord::of_bricks(named, |_| Brick::FULL);
     if bricks > 0 {
-        record.keep_page(0, Some(vec![7; 512].into_boxed_slice()));
+        let colours: Vec<u8> = (0..512).map(|local| local as u8).collect();
+        let page = Page::of_bytes(&colours, ColourDepth::Bits8);
+        let pages = vec![(UVec3::ZERO, Some(page))];
+        record = record.with_colours(ColourRecord::of_pages(pages, ColourDepth::Bits8));
     }
     Step { label, change: StepChange::Bricks(record), state: State::default() }
 }

@@ -98,8 +98,7 @@ fn reference(source: &ShadeSource, pose: &ShadePose, lighting: &Lighting, voxel:
     let world_from_gradient = Mat3::from(pose.world_from_grid.matrix3).inverse().transpose();
     let normal = (world_from_gradient * normal).normalize_or(to_eye);
     let normal = (normal - to_eye * normal.dot(to_eye).min(0.0)).normalize_or(to_eye);
-    let colour =
-        material.rgb(grid.brick_index(v / BRICK_EDGE_VX), local_index(v.x & 7, v.y & 7, v.z & 7));
+    let colour = material.rgb(v / BRICK_EDGE_VX, local_index(v.x & 7, v.y & 7, v.z & 7));
     let is_masked = mask.is_some_and(|mask| mask.get(v.as_ivec3()));
     let albedo = linear(if is_masked { mask_tint(colour, v) } else { colour });
     let upwards = 0.5 + 0.5 * normal.dot(lighting.up.normalize());
@@ -141,7 +140,7 @@ fn pictures_are_as_defined_for_all_lights_colours_and_voxel_shapes() {
     let mut material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::new(180, 170, 150));
     for brick in (0..grid.brick_count()).step_by(3) {
         let colour = Rgb(std::array::from_fn(|_| random.next_u64() as u8));
-        material.paint(brick, &Brick::FULL, colour);
+        material.paint(grid.brick_coords(brick), &Brick::FULL, colour);
     }
     let light = |frame, source, colour: [u8; 3]| {
         Some(Light { frame, source, colour: Rgb(colour), intensity: 0.7 })

@@ -279,9 +279,9 @@ fn stays(contents: &Contents, sources: VoxelBox) -> bool {
     for z in low.z..=high.z {
         for y in low.y..=high.y {
             for b in (low.x..=high.x).map(|x| IVec3::new(x, y, z)) {
-                let index = within(b).then(|| grid.brick_index(b.as_uvec3()));
-                let here = index.map_or(BrickKind::Empty, |index| grid.brick_kind(index));
-                let painted = index.is_some_and(|index| material.page(index).is_some());
+                let at = within(b).then(|| b.as_uvec3());
+                let here = at.map_or(BrickKind::Empty, |at| grid.brick_kind(grid.brick_index(at)));
+                let painted = at.is_some_and(|at| material.page(at).is_some());
                 if here == BrickKind::Mixed
                     || kind.is_some_and(|kind| kind != here)
                     || here == BrickKind::Full && painted

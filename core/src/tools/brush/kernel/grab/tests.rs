@@ -34,7 +34,7 @@ fn paint(contents: &mut Contents, v: UVec3, colour: Rgb) {
     let brick = contents.grid.brick_index(v / 8);
     let mut mask = crate::sculpture::Brick::EMPTY;
     mask.set(v.x % 8, v.y % 8, v.z % 8, true);
-    contents.material.paint(brick, &mask, colour);
+    contents.material.paint(contents.grid.brick_coords(brick), &mask, colour);
 }
 
 /// Returns the contents after a pull, changed without a document.
@@ -140,7 +140,7 @@ fn colours_go_along() {
     // The upper layers are red.
     for b in 0..before.grid.brick_count() {
         if before.grid.brick_coords(b).y == 2 {
-            before.material.paint(b, &crate::sculpture::Brick::FULL, RED);
+            before.material.paint(before.grid.brick_coords(b), &crate::sculpture::Brick::FULL, RED);
         }
     }
     let grab = Grab {
