@@ -275,9 +275,11 @@ fn render_by_casting(
         && eyes
             .iter()
             .any(|eye| LevelSet::shows(document.grid(), &eye.pixel_rays(&world_from_grid)));
-    let (normals, levels) = followed.of(document, smooth);
-    let grid = document.grid();
-    let source = ShadeSource { grid, material: document.material(), normals, mask: None };
+    followed.follow(document);
+    let (grid, material) = (document.grid(), document.material());
+    if smooth {
+        followed.complete(grid);
+    }
     let lighting = view.lighting(options);
     let mut shader = SoftwareShader::default();
     let mut pixels = Pixels::default();
@@ -291,11 +293,15 @@ fn render_by_casting(
         for sample in 0..view.samples {
             let rays = eye.sample(sample).pixel_rays(&world_from_grid);
             sampler.sample = sample;
-            match (mode, levels) {
-                (_, Some(levels)) => sampler.sample(grid, normals, levels, &rays, &mut map),
+            match (mode, followed.levels().filter(|_| smooth)) {
+                (_, Some(levels)) => {
+                    sampler.sample(grid, followed.field(), levels, &rays, &mut map);
+                }
                 (RenderMode::Quickstep, None) => quickstep::sample(grid, &rays, &mut map),
                 _ => raycast::sample(grid, &rays, &mut map),
             }
+            followed.complete_seen(grid, &map);
+            let source = ShadeSource { grid, material, normals: followed.field(), mask: None };
             let lighting = lighting.of_sample(sample);
             shader.shade(&map, &source, &pose, &lighting, &mut pixels);
             if let Some((ground, below)) = &mut ground {

@@ -128,7 +128,7 @@ fn compare(
             if let Some((row, exact)) = wanted(v.as_vec3() + 0.5) {
                 let moment = gradient(grid, v).try_normalize();
                 rows[row].moment.take(moment, exact, to_eye);
-                rows[row].field.take(field.normal(grid, v), exact, to_eye);
+                rows[row].field.take(field.normal(v), exact, to_eye);
             }
         });
     }

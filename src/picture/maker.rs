@@ -15,8 +15,9 @@ use crate::document::{ChangeSubscriber, Document};
 use crate::gpu::{Device, DeviceOptions, Frames, Headless};
 use crate::render::Renderer;
 use crate::screen::offscreen;
-use crate::sculpture::Limits;
+use crate::sculpture::{Grid, Limits};
 use crate::shade::{LevelSet, NormalField};
+use crate::surface::IndexMap;
 use crate::view::StereoLayout;
 
 /// See the module text.
@@ -65,45 +66,58 @@ impl PictureMaker {
     }
 }
 
-/// The normals of a document for the software shader, and its smooth surface.
+/// The normals of a document for the software shader, those that its pictures have shown or all, and its smooth surface.
 #[derive(Default)]
 pub(super) struct FollowedNormals {
     field: NormalField,
     /// `None` until it was needed.
     levels: Option<LevelSet>,
+    /// Bricks whose bits or normals have changed since the smooth surface was made.
+    changed: Vec<u32>,
     subscriber: ChangeSubscriber,
 }
 
 impl FollowedNormals {
-    /// Returns all present normals of the document, and with `smooth` its smooth surface. A grid that is too large for
-    /// it has none.
-    pub fn of(
-        &mut self,
-        document: &mut Document,
-        smooth: bool,
-    ) -> (&NormalField, Option<&LevelSet>) {
-        let FollowedNormals { field, levels, subscriber } = self;
-        let mut changed = Vec::new();
+    /// Notes what has changed in the document since the last call.
+    pub fn follow(&mut self, document: &mut Document) {
+        let FollowedNormals { field, levels, changed, subscriber } = self;
         document.drain_changes_for(subscriber, |contents, bricks| {
             field.follow(&contents.grid, bricks);
             changed.extend_from_slice(bricks.unwrap_or_default());
             levels.take_if(|levels| bricks.is_none() || !levels.fits(&contents.grid));
         });
-        let grid = document.grid();
-        field.update(grid, &mut changed, || true);
-        if let Some(levels) = levels {
-            levels.follow(grid, &changed);
+        if self.levels.is_none() {
+            self.changed.clear();
         }
-        if !smooth {
-            return (field, None);
+    }
+
+    /// Completes the normals and the smooth surface. A grid that is too large for it has none.
+    pub fn complete(&mut self, grid: &Grid) {
+        let FollowedNormals { field, levels, changed, .. } = self;
+        field.update(grid, changed, || true);
+        match levels {
+            Some(levels) => levels.follow(grid, changed),
+            None => *levels = LevelSet::new(grid, Limits::default().grid_bytes).ok(),
         }
-        if levels.is_none() {
-            *levels = LevelSet::new(grid, Limits::default().grid_bytes).ok();
-        }
+        changed.clear();
         if let Some(levels) = levels {
             levels.update(grid, field, &mut Vec::new());
         }
-        (field, levels.as_ref())
+    }
+
+    /// Completes the normals of the voxels in an index map.
+    pub fn complete_seen(&mut self, grid: &Grid, map: &IndexMap) {
+        self.field.complete_seen(grid, [map], &mut self.changed, || true);
+    }
+
+    /// Returns the normals computed so far.
+    pub fn field(&self) -> &NormalField {
+        &self.field
+    }
+
+    /// Returns the smooth surface; `None` before it was completed.
+    pub fn levels(&self) -> Option<&LevelSet> {
+        self.levels.as_ref()
     }
 }
 

@@ -48,8 +48,15 @@ const REACH_VX: u32 = 2 * BRICK_EDGE_VX;
 
 impl NormalStage {
     /// Computes normals for a picture of `grid`, whose changed bricks are these; `None`: all may have changed. `rests`:
-    /// it shows the same as the last one, which had all the normals that it shows.
-    pub fn update(&mut self, grid: &Grid, changed: Option<&[u32]>, rests: bool) -> NormalsChange {
+    /// it shows the same as the last one, which had all the normals that it shows. Of an opened sculpture, those that
+    /// the last pictures, with these maps, have shown come first.
+    pub fn update(
+        &mut self,
+        grid: &Grid,
+        changed: Option<&[u32]>,
+        rests: bool,
+        maps: &[Arc<IndexMap>],
+    ) -> NormalsChange {
         let had_estimates = self.field.has_estimates();
         let (start, patience) = (Instant::now(), self.patience);
         let mut go_on = || patience.is_none_or(|patience| start.elapsed() < patience);
@@ -58,6 +65,11 @@ impl NormalStage {
         if rests && self.field.deferred() > 0 {
             self.field.update_deferred(grid, &mut self.reshaded, go_on);
         } else {
+            // Maps of another sculpture have other bricks.
+            if changed.is_some() && patience.is_some() && self.field.has_estimates() {
+                let maps = maps.iter().map(|map| &**map);
+                self.field.complete_seen(grid, maps, &mut self.reshaded, &mut go_on);
+            }
             self.field.update(grid, &mut self.reshaded, &mut go_on);
         }
         self.took = start.elapsed();
@@ -66,7 +78,7 @@ impl NormalStage {
 
     /// Returns whether [`NormalStage::update_seen`] will defer invisible bricks.
     pub fn can_defer(&self) -> bool {
-        !self.field.has_estimates()
+        !self.field.has_backlog()
     }
 
     /// Returns whether bricks were deferred.
@@ -84,6 +96,7 @@ impl NormalStage {
         moved: bool,
     ) -> NormalsChange {
         let start = Instant::now();
+        let had_estimates = self.field.has_estimates();
         self.field.follow(grid, Some(changed));
         self.reshaded.clear();
         let pixels = |map: &IndexMap| match moved {
@@ -95,14 +108,14 @@ impl NormalStage {
             if self.patience.is_some() { Precision::Estimated } else { Precision::Refined };
         self.field.update_seen(grid, views, precision, &mut self.reshaded);
         // If there are very many bricks, none is deferred.
-        if self.field.has_estimates() {
+        if self.field.has_backlog() {
             let patience = self.patience;
             self.field.update(grid, &mut self.reshaded, || {
                 patience.is_none_or(|patience| start.elapsed() < patience)
             });
         }
         self.took = start.elapsed();
-        self.finish(Some(changed), false)
+        self.finish(Some(changed), had_estimates)
     }
 
     fn finish(&mut self, changed: Option<&[u32]>, had_estimates: bool) -> NormalsChange {
@@ -125,6 +138,7 @@ impl NormalStage {
         device: &Arc<Device>,
         recorder: &mut Recorder,
         slot: usize,
+        grid: &Grid,
         shading: Shading,
     ) -> Result<()> {
         let field = &mut self.field;
@@ -132,7 +146,7 @@ impl NormalStage {
         match (shading, &mut self.copy) {
             (Shading::Software | Shading::Points, copy) => *copy = None,
             (Shading::Device | Shading::Within, Some(copy)) => {
-                copy.update(recorder, slot, field, &self.written, &self.reshaded)?;
+                copy.update(recorder, slot, (grid, field), &self.written, &self.reshaded)?;
             }
             (Shading::Device | Shading::Within, none) => *none = Some(Normals::new(device, field)?),
         }

@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use super::paged_buffer::{CHUNK_BYTES, PagedBuffer, PagedKind};
 use crate::gpu::{Buffer, Device, Recorder, Result};
+use crate::sculpture::Grid;
 use crate::shade::NormalField;
 use crate::shade::normal_field::PageUnit;
 
@@ -20,6 +21,8 @@ const KIND: PagedKind = PagedKind {
 /// The copy.
 pub struct Normals {
     pages: PagedBuffer,
+    /// Entries as they are on the device.
+    table: Vec<u32>,
     /// The [`NormalField::generation`] of the copy.
     generation: u64,
     device: Arc<Device>,
@@ -29,8 +32,9 @@ impl Normals {
     /// Uploads all normals and waits for it.
     pub fn new(device: &Arc<Device>, field: &NormalField) -> Result<Normals> {
         let units = bytemuck::cast_slice(field.pages().units());
-        let pages = PagedBuffer::new(device, KIND, field.table(), units)?;
-        Ok(Normals { pages, generation: field.generation(), device: device.clone() })
+        let table = field.table().linear();
+        let pages = PagedBuffer::new(device, KIND, &table, units)?;
+        Ok(Normals { pages, table, generation: field.generation(), device: device.clone() })
     }
 
     /// Updates the copy: `written` units and the entries of `bricks`, both rising, differ. Recorded in `recorder`, for
@@ -39,19 +43,22 @@ impl Normals {
         &mut self,
         recorder: &mut Recorder,
         slot: usize,
-        field: &NormalField,
+        (grid, field): (&Grid, &NormalField),
         written: &[u32],
         bricks: &[u32],
     ) -> Result<()> {
-        let (table, units) = (field.table(), field.pages().units());
-        let is_other =
-            self.generation != field.generation() || !self.pages.has_room(table.len(), units.len());
+        let units = field.pages().units();
+        let is_other = self.generation != field.generation()
+            || !self.pages.has_room(grid.brick_count(), units.len());
         if is_other || size_of::<PageUnit>() * written.len() > CHUNK_BYTES {
             *self = Normals::new(&self.device, field)?;
             return Ok(());
         }
         let units = bytemuck::cast_slice(units);
-        self.pages.update(recorder, slot, (table, bricks), (units, written))
+        for &brick in bricks {
+            self.table[brick as usize] = field.table().page(grid.brick_coords(brick as usize));
+        }
+        self.pages.update(recorder, slot, (&self.table, bricks), (units, written))
     }
 
     pub fn buffer(&self) -> &Buffer {

@@ -88,7 +88,7 @@ impl Renderer {
             stages.normals.update_seen(document.grid(), &stages.changed, &self.cpu.maps, moved)
         } else {
             let changed = changes_known.then_some(stages.changed.as_slice());
-            stages.normals.update(document.grid(), changed, rests)
+            stages.normals.update(document.grid(), changed, rests, &self.cpu.maps)
         };
         let smooth = stages.follow_surface(document, desc, changes_known)?;
         let plan = RedrawPlan::new(before.as_ref(), document, desc, changes_known, normals, smooth);
@@ -239,7 +239,13 @@ impl Renderer {
     ) -> Result<()> {
         let start = Instant::now();
         let Renderer { passes, cpu, stages } = self;
-        stages.normals.upload(&stages.device, recorder, slot, desc.mode.shading())?;
+        stages.normals.upload(
+            &stages.device,
+            recorder,
+            slot,
+            document.grid(),
+            desc.mode.shading(),
+        )?;
         match stages.shading(desc.mode) {
             Shading::Software => {
                 let composite = &mut passes.sculpture.composite;

@@ -231,7 +231,8 @@ fn edits_of_the_smooth_surface_are_uploaded_one_by_one() {
             assert!(on_device.levels.follow(&grid, levels, &changed), "there is room for them");
             let mut recorder = frames.begin().unwrap();
             let slot = frames.slot();
-            on_device.normals.update(&mut recorder, slot, normals, &written, &reshaded).unwrap();
+            let followed = (&grid, &*normals);
+            on_device.normals.update(&mut recorder, slot, followed, &written, &reshaded).unwrap();
             on_device.levels.update(&mut recorder, slot, &grid, levels).unwrap();
             device.wait(frames.submit(recorder, &[], &[]).unwrap()).unwrap();
             let found = on_device.map(device, &smooth, &rays, 0);

@@ -126,7 +126,7 @@ impl Rule<'_> {
                 (-reach..=reach).flat_map(|z| (-reach..=reach).map(move |x| IVec3::new(x, 0, z)));
             !around.any(|offset| self.grid.get(below + offset))
         };
-        let normal = self.normals.normal(self.grid, v);
+        let normal = self.normals.normal(v);
         match normal.filter(|_| self.grid.get(signed + IVec3::Y)) {
             // Normals of stretched voxels shrink where these grow.
             Some(normal) => {

@@ -142,7 +142,7 @@ mod tests {
             for (point, &index) in cloud.points().iter().zip(&seen) {
                 let v = grid.voxel_coords(index);
                 assert_eq!(point.position(), v.as_vec3() + 0.5);
-                assert_eq!(point.normal.unpack(), normals.normal(&grid, v));
+                assert_eq!(point.normal.unpack(), normals.normal(v));
                 let [x, y, z, open] = point.estimate.map(f32::from);
                 if point.normal == PackedNormal::NONE && !normals.is_complete() {
                     assert_eq!(Vec3::new(x, y, z), gradient(&grid, v));

@@ -88,6 +88,8 @@ impl<'a> IndexPixels<'a> {
 struct Shader<'a> {
     source: ShadeSource<'a>,
     places: VoxelPlaces,
+    /// The size in leaves, by which the table of normals numbers bricks.
+    leaf_dims: UVec3,
     illumination: Illumination,
     occlusion: bool,
     /// Whether any voxel may have a visible colour of its own.
@@ -103,7 +105,8 @@ struct Shader<'a> {
 struct PixelLookups {
     /// In the grid.
     coords: [[u32; LANES]; 3],
-    bricks: [u32; LANES],
+    /// The numbers of their bricks in the table of normals.
+    entries: [u32; LANES],
     /// In their brick: `x + 8 y + 64 z`.
     locals: [u32; LANES],
     /// [`SurfaceRecord`]s.
@@ -134,6 +137,7 @@ impl<'a> Shader<'a> {
             base: packed(illumination.colour.unwrap_or(source.material.base())),
             tinted: source.mask.map(|mask| (mask, source.colours(illumination.colour).depth())),
             places: VoxelPlaces::of(source.grid.dims()),
+            leaf_dims: source.normals.table().leaf_dims(),
             illumination,
             occlusion: lighting.occlusion,
         }
@@ -208,9 +212,9 @@ impl Shader<'_> {
                 *sample = if *voxel == NO_VOXEL { 0 } else { *voxel };
             }
             let coords = self.places.coords(simd, u32x16::load_array(simd, samples));
-            let bricks = self.places.bricks(coords.map(|axis| axis.bitcast())).to_array();
+            let bricks = self.entries(coords.map(|axis| axis.bitcast())).to_array();
             for (brick, wanted) in bricks.into_iter().zip(wanted) {
-                *wanted = table.get(brick as usize).copied().unwrap_or(NO_PAGE);
+                *wanted = table.page_of_entry(brick);
             }
         }
         std::hint::black_box(pages.fetch(&wanted));
@@ -242,7 +246,7 @@ impl Shader<'_> {
         let (table, records) = (field.table(), field.pages().records());
         for (found, _) in row.iter_mut().zip(seen).filter(|(_, seen)| *seen != 0) {
             for lane in 0..LANES {
-                let page = table.get(found.bricks[lane] as usize).copied().unwrap_or(NO_PAGE);
+                let page = table.page_of_entry(found.entries[lane]);
                 found.records[lane] = records.at(page, found.locals[lane]).0;
             }
         }
@@ -286,10 +290,21 @@ impl Shader<'_> {
         for (axis, coords) in [x, y, z].iter().zip(&mut found.coords) {
             axis.store_array(coords);
         }
-        self.places.bricks([x, y, z]).store_array(&mut found.bricks);
+        self.entries([x, y, z]).store_array(&mut found.entries);
         let local = (x & IN_BRICK) | (y & IN_BRICK) << 3 | (z & IN_BRICK) << 6;
         local.store_array(&mut found.locals);
         found.points.colour = [self.base; LANES];
+    }
+
+    /// Returns the numbers of the bricks of voxels at these coordinates in the table of normals
+    /// ([`PageTable::page_of_entry`](super::normal_field::PageTable::page_of_entry)).
+    #[inline(always)]
+    fn entries<S: Simd>(&self, [x, y, z]: [u32x16<S>; 3]) -> u32x16<S> {
+        let leaf = (x >> 6) + ((y >> 6) + (z >> 6) * self.leaf_dims.y) * self.leaf_dims.x;
+        // The order of voxels in a brick, with bricks in their place.
+        let octant = (x >> 5 & 1) | (y >> 5 & 1) << 1 | (z >> 5 & 1) << 2;
+        let within = (x >> 3 & 3) | (y >> 3 & 3) << 2 | (z >> 3 & 3) << 4;
+        leaf << 9 | octant << 6 | within
     }
 
     /// Looks up the colours of voxels that have their own.
@@ -297,8 +312,8 @@ impl Shader<'_> {
     fn colours(&self, found: &mut PixelLookups, reader: &mut PageReader) {
         let (mut last, mut page) = (u32::MAX, None);
         for lane in 0..LANES {
-            if found.bricks[lane] != last {
-                last = found.bricks[lane];
+            if found.entries[lane] != last {
+                last = found.entries[lane];
                 page = reader.page(found.coords(lane) / BRICK_EDGE_VX);
             }
             if let Some(page) = page {
@@ -376,7 +391,7 @@ impl Shader<'_> {
 fn tint(mask: &Grid, depth: ColourDepth, found: &mut PixelLookups) {
     for lane in 0..LANES {
         let [x, y, z] = [0, 3, 6].map(|bit| found.locals[lane] >> bit & IN_BRICK);
-        if mask.brick_at(found.bricks[lane] as usize).get(x, y, z) {
+        if mask.brick(found.coords(lane) / BRICK_EDGE_VX).get(x, y, z) {
             let [r, g, b, _] = found.points.colour[lane].to_le_bytes();
             let shown = mask_tint(Rgb([r, g, b]), found.coords(lane));
             found.points.colour[lane] = packed(depth.quantise(shown));
@@ -399,25 +414,15 @@ fn packed(Rgb([r, g, b]): Rgb) -> u32 {
     u32::from_le_bytes([r, g, b, 0])
 }
 
-/// Converts indices of voxels to their coordinates and bricks.
+/// Converts indices of voxels to their coordinates.
 pub(super) struct VoxelPlaces {
     row: u32,
     slice: u32,
-    brick_dims: UVec3,
 }
 
 impl VoxelPlaces {
     pub fn of(dims: UVec3) -> VoxelPlaces {
-        let brick_dims = dims.map(|edge| edge.div_ceil(BRICK_EDGE_VX));
-        VoxelPlaces { row: dims.x, slice: dims.x * dims.y, brick_dims }
-    }
-
-    /// Returns the linear indices of the bricks of voxels at these coordinates.
-    #[inline(always)]
-    fn bricks<S: Simd>(&self, coords: [u32x16<S>; 3]) -> u32x16<S> {
-        const LOG2: u32 = BRICK_EDGE_VX.trailing_zeros();
-        let [x, y, z] = coords;
-        (x >> LOG2) + ((y >> LOG2) + (z >> LOG2) * self.brick_dims.y) * self.brick_dims.x
+        VoxelPlaces { row: dims.x, slice: dims.x * dims.y }
     }
 
     /// Returns the coordinates of voxels.

@@ -32,15 +32,13 @@ impl<'a> ShadeSource<'a> {
     /// Returns the packed normal of a voxel.
     #[inline(always)]
     pub(super) fn normal(&self, voxel: UVec3) -> PackedNormal {
-        let brick = self.grid.brick_index(voxel / BRICK_EDGE_VX);
-        self.normals.packed(brick, voxel % BRICK_EDGE_VX)
+        self.normals.packed(voxel / BRICK_EDGE_VX, voxel % BRICK_EDGE_VX)
     }
 
     /// Returns the share of ambient light that reaches a voxel.
     #[inline(always)]
     pub(super) fn openness(&self, tables: &mut OpennessTables, voxel: UVec3) -> f32 {
-        let brick = self.grid.brick_index(voxel / BRICK_EDGE_VX);
-        match self.normals.record(brick, voxel % BRICK_EDGE_VX) {
+        match self.normals.record(voxel / BRICK_EDGE_VX, voxel % BRICK_EDGE_VX) {
             Some(record) => f32::from(record.openness()) * (1.0 / 255.0),
             None => tables.openness(self.grid, voxel),
         }
@@ -55,6 +53,9 @@ impl<'a> ShadeSource<'a> {
 
     /// Returns the vector out of the solid at a voxel that has no normal.
     pub(super) fn estimate(&self, voxel: UVec3) -> Vec3 {
-        if self.normals.has_estimates() { gradient(self.grid, voxel) } else { Vec3::ZERO }
+        match self.normals.is_estimated(voxel / BRICK_EDGE_VX) {
+            true => gradient(self.grid, voxel),
+            false => Vec3::ZERO,
+        }
     }
 }

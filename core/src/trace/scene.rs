@@ -252,10 +252,8 @@ impl<'a> PathScene<'a> {
         let plane = low + face.max(IVec3::ZERO).as_vec3();
         let within = point.clamp(low + EDGE_VX, low + (1.0 - EDGE_VX));
         let point = Vec3::select(face.cmpeq(IVec3::ZERO), within, plane);
-        let ShadeSource { grid, normals, .. } = self.source;
-        let brick = grid.brick_index(voxel / BRICK_EDGE_VX);
         let face = face.as_vec3();
-        let smooth = normals.packed(brick, voxel % BRICK_EDGE_VX).unpack();
+        let smooth = self.source.normals.normal(voxel);
         let normal = smooth.filter(|normal| normal.dot(face) >= OTHER_SIDE).unwrap_or(face);
         let start = self.clear_of_steps(point, face, normal);
         let normal = (self.world_from_normal * normal).normalize_or(self.up);

@@ -1,15 +1,14 @@
 //! An edit of the bricks of one leaf, each at most once.
 //!
-//! Reads bricks from the leaf, takes new ones, and writes the leaf at the end: in place where the leaf is not shared
-//! and the same bricks are mixed as before, else a new one, of exactly the size needed. Bricks that become empty or full
-//! take no memory. Knows no tool and no record.
+//! Reads bricks from the leaf, takes new ones, and writes the leaf at the end: in place where the leaf is not shared,
+//! else as a new one. Bricks that become empty or full take no memory. Knows no tool and no record.
 
 use std::sync::Arc;
 
 use glam::UVec3;
 
 use super::extent::Extent;
-use super::node::{NODE_EDGE_LOG2, Slot, TreeNode};
+use super::node::{NODE_EDGE_LOG2, NewBricks, Slot, TreeNode};
 use crate::sculpture::brick::{BRICK_VOXELS, Brick, local_coords};
 
 /// An edit of a leaf in progress.
@@ -182,57 +181,15 @@ impl<'a> LeafEdit<'a> {
         if self.changed == Brick::EMPTY {
             return self.changed;
         }
-        if self.mixed == self.leaf.mixed
-            && let Some(node) = Arc::get_mut(self.leaf)
-        {
-            let mut at = 0;
-            let bricks = node.bricks_mut();
-            for (word, (mixed, is_new)) in
-                self.mixed.words.iter().zip(self.is_new.words).enumerate()
-            {
-                let mut rest = is_new;
-                while rest != 0 {
-                    let bit = rest.trailing_zeros();
-                    rest &= rest - 1;
-                    let rank = at + (mixed & ((1 << bit) - 1)).count_ones() as usize;
-                    bricks[rank] = self.new[word << 6 | bit as usize];
-                }
-                at += mixed.count_ones() as usize;
-            }
-            node.full = self.full;
-            node.voxels = self.voxels;
-            return self.changed;
+        let new = NewBricks { bricks: self.new, which: self.is_new };
+        if let Some(leaf) = Arc::get_mut(self.leaf) {
+            leaf.replace_bricks(self.mixed, &new);
+            leaf.full = self.full;
+            leaf.voxels = self.voxels;
+        } else {
+            let bricks = self.leaf.bricks_with(&self.mixed, &new);
+            *self.leaf = Arc::new(TreeNode::leaf(self.mixed, self.full, bricks, self.voxels));
         }
-        let old = &**self.leaf;
-        let mut bricks = Vec::with_capacity(usize::from(self.mixed.count()));
-        let mut from = old.bricks();
-        for word in 0..8 {
-            let (was, now, is_new) =
-                (old.mixed.words[word], self.mixed.words[word], self.is_new.words[word]);
-            if was == now && is_new == 0 {
-                let (kept, rest) = from.split_at(was.count_ones() as usize);
-                bricks.extend_from_slice(kept);
-                from = rest;
-                continue;
-            }
-            let mut rest = was | now;
-            while rest != 0 {
-                let bit = rest.trailing_zeros();
-                rest &= rest - 1;
-                let kept = match was >> bit & 1 != 0 {
-                    true => from.split_off_first(),
-                    false => None,
-                };
-                if is_new >> bit & 1 != 0 {
-                    bricks.push(self.new[word << 6 | bit as usize]);
-                } else if now >> bit & 1 != 0
-                    && let Some(kept) = kept
-                {
-                    bricks.push(*kept);
-                }
-            }
-        }
-        *self.leaf = Arc::new(TreeNode::leaf(self.mixed, self.full, bricks, self.voxels));
         self.changed
     }
 }

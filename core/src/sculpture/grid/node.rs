@@ -58,6 +58,14 @@ impl Slot {
     }
 }
 
+/// The bricks of a leaf that an edit has replaced by mixed ones.
+pub(super) struct NewBricks<'a> {
+    /// Their bits, by index in the leaf.
+    pub bricks: &'a [Brick; 512],
+    /// Which they are: some of those that are mixed from now on.
+    pub which: Brick,
+}
+
 /// A node of 8^3 children.
 #[derive(Clone, Debug)]
 pub(super) struct TreeNode {
@@ -126,10 +134,104 @@ impl TreeNode {
         &self.bricks
     }
 
-    /// Returns the mixed bricks of a leaf for changes that leave them mixed.
-    #[inline(always)]
-    pub fn bricks_mut(&mut self) -> &mut [Brick] {
-        &mut self.bricks
+    /// Returns the mixed bricks of a leaf after a change: those of `mixed`, new or kept.
+    pub fn bricks_with(&self, mixed: &Brick, new: &NewBricks) -> Vec<Brick> {
+        let mut bricks = Vec::with_capacity(capacity_for(usize::from(mixed.count())));
+        let mut old = &*self.bricks;
+        for (word, (was, now)) in self.mixed.words.into_iter().zip(mixed.words).enumerate() {
+            let is_new = new.which.words[word];
+            if was == now && is_new == 0 {
+                let (kept, rest) = old.split_at(was.count_ones() as usize);
+                bricks.extend_from_slice(kept);
+                old = rest;
+                continue;
+            }
+            let mut rest = was | now;
+            while rest != 0 {
+                let bit = rest.trailing_zeros();
+                rest &= rest - 1;
+                let kept = match was >> bit & 1 != 0 {
+                    true => old.split_off_first(),
+                    false => None,
+                };
+                if is_new >> bit & 1 != 0 {
+                    bricks.push(new.bricks[word << 6 | bit as usize]);
+                } else if now >> bit & 1 != 0
+                    && let Some(kept) = kept
+                {
+                    bricks.push(*kept);
+                }
+            }
+        }
+        bricks
+    }
+
+    /// Makes `mixed` the mixed bricks of a leaf, new or kept, in place. Full bricks and the count of voxels are left to
+    /// the caller.
+    pub fn replace_bricks(&mut self, mixed: Brick, new: &NewBricks) {
+        let kept = self.mixed.and(&mixed);
+        let (kept_count, count) = (usize::from(kept.count()), usize::from(mixed.count()));
+        if kept != self.mixed {
+            self.keep_bricks(&kept);
+        }
+        if self.bricks.capacity() < count {
+            self.bricks.reserve_exact(capacity_for(count) - kept_count);
+        }
+        self.bricks.resize(count, Brick::EMPTY);
+        // From the last one on, so that none is overwritten before it has moved up.
+        let (mut from, mut to) = (kept_count, count);
+        for word in (0..8).rev() {
+            let (now, was, is_new) = (mixed.words[word], kept.words[word], new.which.words[word]);
+            if now == was && is_new == 0 {
+                let moved = now.count_ones() as usize;
+                (from, to) = (from - moved, to - moved);
+                if from != to {
+                    self.bricks.copy_within(from..from + moved, to);
+                }
+                continue;
+            }
+            let mut rest = now;
+            while rest != 0 {
+                let bit = 63 - rest.leading_zeros();
+                rest ^= 1 << bit;
+                to -= 1;
+                from -= usize::from(was >> bit & 1 != 0);
+                self.bricks[to] = match is_new >> bit & 1 != 0 {
+                    true => new.bricks[word << 6 | bit as usize],
+                    false => self.bricks[from],
+                };
+            }
+        }
+        self.mixed = mixed;
+        self.before = counts_before(&mixed);
+        if self.bricks.capacity() > capacity_for(count) + MAX_SPARE {
+            self.bricks.shrink_to(capacity_for(count));
+        }
+    }
+
+    /// Removes all mixed bricks of a leaf but those of `kept`.
+    fn keep_bricks(&mut self, kept: &Brick) {
+        let (mut from, mut to) = (0, 0);
+        for (was, now) in self.mixed.words.into_iter().zip(kept.words) {
+            if was == now {
+                let moved = was.count_ones() as usize;
+                if from != to {
+                    self.bricks.copy_within(from..from + moved, to);
+                }
+                (from, to) = (from + moved, to + moved);
+                continue;
+            }
+            let mut rest = was;
+            while rest != 0 {
+                if now & rest & rest.wrapping_neg() != 0 {
+                    self.bricks[to] = self.bricks[from];
+                    to += 1;
+                }
+                from += 1;
+                rest &= rest - 1;
+            }
+        }
+        self.bricks.truncate(to);
     }
 
     /// Returns the mixed node at `slot`; `None` if there is none.
@@ -220,7 +322,13 @@ impl PartialEq for TreeNode {
 }
 
 /// Elements for which a list of children may have room to spare.
-const MAX_SPARE: usize = 8;
+const MAX_SPARE: usize = 16;
+
+/// Returns the room that a list of so many bricks gets. Few different sizes let the allocator reuse what others freed.
+#[inline(always)]
+fn capacity_for(bricks: usize) -> usize {
+    bricks.next_multiple_of(MAX_SPARE)
+}
 
 /// Inserts into a list of children, whose memory hardly grows by more than needed: large ones would waste much.
 fn put_in<T>(list: &mut Vec<T>, at: usize, value: T) {

@@ -3,12 +3,13 @@
 //!
 //! Reveals nothing about how bricks are stored. Reads only; allocates nothing.
 
-use glam::UVec3;
+use glam::{IVec3, UVec3};
 
 use super::extent::Extent;
-use super::node::{NODE_EDGE_LOG2, Slot, TreeNode};
+use super::node::{NODE_EDGE, NODE_EDGE_LOG2, Slot, TreeNode};
 use super::{BRICK_EDGE_VX, Cube, Grid, row_of, visit};
 use crate::sculpture::brick::{Brick, BrickKind, local_coords};
+use crate::sculpture::brick_set::LeafKey;
 use crate::sculpture::region::BrickBox;
 
 /// The part of a tree that holds a brick.
@@ -137,6 +138,48 @@ impl Grid {
             true if self.cut.is_none() || self.extent.holds_brick(b) => BrickKind::Full,
             true => BrickKind::Mixed,
         }
+    }
+
+    /// Returns the bricks of a leaf that may have a surface voxel: those that are neither empty nor full among full
+    /// neighbours.
+    pub(crate) fn bricks_near_surface(&self, leaf: LeafKey) -> Brick {
+        let low = leaf.coords() << NODE_EDGE_LOG2;
+        let (mixed, full) = match self.leaf(low) {
+            Found::Uniform(false) => return Brick::EMPTY,
+            Found::Uniform(true) => (Brick::EMPTY, Brick::FULL),
+            Found::Leaf(leaf) => (leaf.mixed, leaf.full),
+        };
+        let inside = Brick::below((self.extent.bricks - low).to_array());
+        let (mixed, full) = (mixed.and(&inside), full.and(&inside));
+        let size = self.extent.bricks.as_ivec3();
+        let axes = [IVec3::X, IVec3::Y, IVec3::Z];
+        let is_uniform = |b: IVec3| {
+            let is_inside = b.cmpge(IVec3::ZERO).all() && b.cmplt(size).all();
+            is_inside && matches!(self.leaf(b.as_uvec3()), Found::Uniform(true))
+        };
+        let edge = NODE_EDGE as i32;
+        let around = |axis: IVec3| [low.as_ivec3() - axis * edge, low.as_ivec3() + axis * edge];
+        if full.is_full() && axes.iter().all(|axis| around(*axis).into_iter().all(is_uniform)) {
+            return Brick::EMPTY;
+        }
+        let is_full = |b: IVec3| {
+            let at = b - low.as_ivec3();
+            if at.cmpge(IVec3::ZERO).all() && at.cmplt(IVec3::splat(edge)).all() {
+                let [x, y, z] = at.as_uvec3().to_array();
+                return full.get(x, y, z);
+            }
+            let is_inside = b.cmpge(IVec3::ZERO).all() && b.cmplt(size).all();
+            is_inside && self.kind(b.as_uvec3()) == BrickKind::Full
+        };
+        let mut near = mixed;
+        full.for_each(|index| {
+            let at = UVec3::from(local_coords(index));
+            let b = (low + at).as_ivec3();
+            if axes.iter().any(|&axis| !is_full(b - axis) || !is_full(b + axis)) {
+                near.set(at.x, at.y, at.z, true);
+            }
+        });
+        near
     }
 
     /// Returns the non-empty bricks with their brick coordinates, x fastest, then y, then z.

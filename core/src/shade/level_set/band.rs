@@ -78,7 +78,7 @@ impl Band {
         for (i, offset) in around() {
             let at = b + offset;
             if at.cmpge(IVec3::ZERO).all() && at.cmplt(dims).all() {
-                pages[i] = normals.table()[grid.brick_index(at.as_uvec3())];
+                pages[i] = normals.table().page(at.as_uvec3());
                 if pages[i] != NO_PAGE {
                     surface[i] = *normals.pages().layers(pages[i]);
                 }

@@ -190,7 +190,7 @@ impl LevelScene<'_> {
 
     #[inline(always)]
     fn normal(&self, voxel: UVec3) -> Option<Vec3> {
-        let page = self.normals.table()[self.grid.brick_index(voxel / BRICK_EDGE_VX)];
+        let page = self.normals.table().page(voxel / BRICK_EDGE_VX);
         if page == NO_PAGE {
             return None;
         }

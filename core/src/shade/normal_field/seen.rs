@@ -7,12 +7,13 @@
 //! shows them as they were before the edit.
 
 use fearless_simd::Level;
+use glam::UVec3;
 use rayon::prelude::*;
 
 use super::batch::Precision;
-use super::{Flags, MOST_AT_ONCE, NO_PAGE, NormalField, block};
+use super::{MOST_AT_ONCE, NO_PAGE, NormalField, PageTable, block};
 use crate::sculpture::brick::BRICK_EDGE_VX;
-use crate::sculpture::index_set::{IndexMask, IndexSet};
+use crate::sculpture::brick_set::{BrickSet, for_each_in};
 use crate::sculpture::{Grid, NO_VOXEL};
 use crate::surface::{IndexMap, PixelRect, PixelRects};
 
@@ -32,7 +33,7 @@ impl NormalField {
     /// Defers the changes of the last edits, except for the bricks that are visible in `pixels` of `maps`; these must
     /// be all in which they can be visible. No other pictures may be used before the next [`NormalField::update`]. With
     /// [`Precision::Estimated`], many bricks have first estimates until [`NormalField::update_deferred`]. Reports
-    /// bricks as `update` does. Does nothing while normals of a newly opened sculpture are missing, or if very many of
+    /// bricks as `update` does. Does nothing while edits of very many bricks remain to be followed, or if very many of
     /// the bricks are visible.
     pub fn update_seen<'a>(
         &mut self,
@@ -44,14 +45,13 @@ impl NormalField {
         if self.fresh > 0 {
             return;
         }
-        let mut seen = IndexSet::new(grid.brick_count());
+        let mut seen = BrickSet::default();
         for (map, rects) in views {
             for rect in rects.as_slice() {
-                bricks_in(grid, map, *rect, &self.queued, &mut seen);
+                bricks_in(grid, map, *rect, &self.table, &mut seen);
             }
         }
-        let mut targets = Vec::new();
-        seen.collect_into(&mut targets);
+        let mut targets = indices(grid, &seen);
         let most = match precision {
             Precision::Estimated => MOST_ESTIMATED,
             Precision::Refined => MOST_AT_ONCE,
@@ -61,18 +61,27 @@ impl NormalField {
         }
         let inexact = std::mem::take(&mut self.inexact);
         // A brick that was deferred before may have a page, and be changed again.
-        let unseen = self.queue.iter().copied().chain(inexact.masks().flat_map(IndexMask::indices));
-        for index in unseen.filter(|index| !seen.contains(*index)) {
-            let page = std::mem::replace(&mut self.table[index as usize], NO_PAGE);
-            if page != NO_PAGE {
-                self.pages.free(page);
+        let mut queue = std::mem::take(&mut self.queue);
+        self.retain_outstanding(grid, &mut queue);
+        queue.retain(|index| {
+            let b = grid.brick_coords(*index as usize);
+            let is_deferred = !seen.contains(b);
+            if is_deferred {
+                self.free_page(b);
             }
+            is_deferred
+        });
+        self.deferred.append(&mut queue);
+        self.queue = queue;
+        for (leaf, bricks) in inexact.leaves() {
+            for_each_in(leaf, &bricks.and_not(&seen.of_leaf(leaf)), |b| {
+                self.free_page(b);
+            });
         }
-        self.deferred.extend(self.queue.drain(..).filter(|index| !seen.contains(*index)));
         self.fresh = 0;
         let first = changed.len();
         if precision == Precision::Refined || targets.len() <= PROMPT_PORTION {
-            targets.retain(|index| self.queued.contains(*index));
+            self.retain_outstanding(grid, &mut targets);
             self.compute(Level::new(), grid, &targets, Precision::Refined, changed);
         } else {
             self.estimate(grid, targets, &inexact, changed);
@@ -80,9 +89,39 @@ impl NormalField {
         sort_from(changed, first);
         self.inexact = inexact;
         self.inexact.clear();
-        if self.deferred.len() > self.table.len() {
-            self.retain_deferred();
+        if self.deferred.len() > grid.brick_count() {
+            self.retain_deferred(grid);
         }
+    }
+
+    /// Computes the outstanding normals of bricks that are visible in these maps, however many they are, for as long as
+    /// `go_on` returns true. All others stay outstanding: pictures of an opened sculpture need no more. Reports bricks
+    /// as `update` does.
+    pub fn complete_seen<'a>(
+        &mut self,
+        grid: &Grid,
+        maps: impl IntoIterator<Item = &'a IndexMap>,
+        changed: &mut Vec<u32>,
+        mut go_on: impl FnMut() -> bool,
+    ) {
+        if self.is_complete() {
+            return;
+        }
+        let mut seen = BrickSet::default();
+        for map in maps {
+            bricks_in(grid, map, PixelRect::of_picture(map.rays.size), &self.table, &mut seen);
+        }
+        let mut targets = indices(grid, &seen);
+        targets.sort_by_cached_key(|index| (block(grid, *index), *index));
+        self.inexact.clear();
+        let first = changed.len();
+        for portion in targets.chunk_by(|a, b| block(grid, *a) == block(grid, *b)) {
+            if !go_on() {
+                break;
+            }
+            self.compute(Level::new(), grid, portion, Precision::Refined, changed);
+        }
+        sort_from(changed, first);
     }
 
     /// Gives first estimates to those of `targets` that are `inexact` or have none.
@@ -90,23 +129,29 @@ impl NormalField {
         &mut self,
         grid: &Grid,
         mut targets: Vec<u32>,
-        inexact: &IndexSet,
+        inexact: &BrickSet,
         changed: &mut Vec<u32>,
     ) {
-        let mut known = IndexSet::new(grid.brick_count());
-        self.estimated.iter().for_each(|index| known.insert(*index));
-        targets.retain(|index| self.queued.contains(*index));
-        self.estimated.extend(targets.iter().filter(|index| !known.contains(**index)));
+        let coords = |index: u32| grid.brick_coords(index as usize);
+        let mut known = BrickSet::default();
+        self.estimated.iter().for_each(|index| known.insert(coords(*index)));
+        self.retain_outstanding(grid, &mut targets);
+        self.estimated.extend(targets.iter().filter(|index| !known.contains(coords(**index))));
         self.deferred.extend_from_slice(&targets);
-        targets.retain(|i| inexact.contains(*i) || self.table[*i as usize] == NO_PAGE);
+        targets.retain(|index| {
+            let b = coords(*index);
+            inexact.contains(b) || self.table.page(b) == NO_PAGE
+        });
         self.compute(Level::new(), grid, &targets, Precision::Estimated, changed);
     }
 
     /// Keeps those of `deferred` that remain to be computed, each once, in ascending order.
-    pub(super) fn retain_deferred(&mut self) {
-        self.deferred.sort_unstable();
-        self.deferred.dedup();
-        self.deferred.retain(|index| self.queued.contains(*index));
+    pub(super) fn retain_deferred(&mut self, grid: &Grid) {
+        let mut deferred = std::mem::take(&mut self.deferred);
+        deferred.sort_unstable();
+        deferred.dedup();
+        self.retain_outstanding(grid, &mut deferred);
+        self.deferred = deferred;
     }
 
     /// Returns an upper bound of the number of deferred bricks.
@@ -128,11 +173,11 @@ impl NormalField {
         while !self.estimated.is_empty() && go_on() {
             let count = self.estimated.len().min(DEFERRED_PORTION);
             let mut portion: Vec<u32> = self.estimated.drain(..count).collect();
-            portion.retain(|index| self.queued.contains(*index));
+            self.retain_outstanding(grid, &mut portion);
             portion.sort_unstable();
             self.compute(Level::new(), grid, &portion, Precision::Refined, changed);
         }
-        self.retain_deferred();
+        self.retain_deferred(grid);
         self.deferred.sort_by_cached_key(|index| (block(grid, *index), *index));
         while !self.deferred.is_empty() && go_on() {
             let from = self.deferred.len().saturating_sub(DEFERRED_PORTION);
@@ -154,24 +199,34 @@ pub(super) fn sort_from(list: &mut Vec<u32>, first: usize) {
     list.append(&mut own);
 }
 
-/// Adds to `seen` the bricks of `wanted` whose voxels are visible in `rect`.
-fn bricks_in(grid: &Grid, map: &IndexMap, rect: PixelRect, wanted: &Flags, seen: &mut IndexSet) {
+/// Returns the linear indices of bricks, ascending.
+fn indices(grid: &Grid, bricks: &BrickSet) -> Vec<u32> {
+    let mut indices = Vec::new();
+    for (leaf, bricks) in bricks.leaves() {
+        for_each_in(leaf, &bricks, |b| indices.push(grid.brick_index(b) as u32));
+    }
+    indices.sort_unstable();
+    indices
+}
+
+/// Adds to `seen` the bricks whose voxels are visible in `rect`, of those that are outstanding in `table`.
+fn bricks_in(grid: &Grid, map: &IndexMap, rect: PixelRect, table: &PageTable, seen: &mut BrickSet) {
     let rect = rect.intersect(PixelRect::of_picture(map.rays.size));
     let (left, right) = (rect.min.x as usize, rect.max.x as usize);
     if left >= right {
         return;
     }
     // Each brick once for every run of voxels in it.
-    let in_rows = |rows: &[u32], found: &mut Vec<u32>| {
+    let in_rows = |rows: &[u32], found: &mut Vec<UVec3>| {
         for row in rows.chunks_exact(map.rays.size.x as usize) {
-            let (mut last_voxel, mut last) = (NO_VOXEL, u32::MAX);
+            let (mut last_voxel, mut last) = (NO_VOXEL, UVec3::MAX);
             for &voxel in &row[left..right] {
                 if voxel != last_voxel && voxel != NO_VOXEL {
-                    let index = grid.brick_index(grid.voxel_coords(voxel) / BRICK_EDGE_VX) as u32;
-                    if index != last && wanted.contains(index) {
-                        found.push(index);
+                    let b = grid.voxel_coords(voxel) / BRICK_EDGE_VX;
+                    if b != last && table.is_outstanding(b) {
+                        found.push(b);
                     }
-                    last = index;
+                    last = b;
                 }
                 last_voxel = voxel;
             }
@@ -183,6 +238,6 @@ fn bricks_in(grid: &Grid, map: &IndexMap, rect: PixelRect, wanted: &Flags, seen:
         in_rows(rows, &mut found);
         found
     });
-    let found: Vec<Vec<u32>> = found.collect();
-    found.iter().flatten().for_each(|index| seen.insert(*index));
+    let found: Vec<Vec<UVec3>> = found.collect();
+    found.iter().flatten().for_each(|b| seen.insert(*b));
 }

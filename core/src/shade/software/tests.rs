@@ -91,7 +91,7 @@ fn reference(source: &ShadeSource, pose: &ShadePose, lighting: &Lighting, voxel:
     let eye = pose.eye_from_world.inverse().translation;
     let position = pose.world_from_grid.transform_point3(v.as_vec3() + 0.5);
     let to_eye = (Vec3::from(eye) - position).normalize();
-    let normal = match normals.normal(grid, v) {
+    let normal = match normals.normal(v) {
         None if !normals.is_complete() => normal::gradient(grid, v),
         normal => normal.unwrap_or_default(),
     };

@@ -7,7 +7,7 @@ fn range(grid: &Grid, wanted: impl Fn(Vec3) -> bool) -> [f32; 2] {
     let field = NormalField::of(grid);
     let mut range = [f32::INFINITY, f32::NEG_INFINITY];
     for (v, _) in surface(grid, &field).into_iter().filter(|(v, _)| wanted(v.as_vec3() + 0.5)) {
-        let record = field.record(grid.brick_index(v / 8), v % 8).unwrap();
+        let record = field.record(v / 8, v % 8).unwrap();
         let open = f32::from(record.openness()) / 255.0;
         range = [range[0].min(open), range[1].max(open)];
     }

@@ -69,17 +69,17 @@ fn seen<'a>(grid: &'a Grid, map: &'a IndexMap) -> impl Iterator<Item = (UVec3, u
 }
 
 /// Returns the openness of a surface voxel.
-fn openness(grid: &Grid, field: &NormalField, v: UVec3) -> Option<u8> {
-    field.record(grid.brick_index(v / 8), v % 8).map(SurfaceRecord::openness)
+fn openness(field: &NormalField, v: UVec3) -> Option<u8> {
+    field.record(v / 8, v % 8).map(SurfaceRecord::openness)
 }
 
 #[test]
 fn visible_bricks_are_up_to_date_after_edits_and_the_rest_follows() {
     edit(Precision::Refined, |grid, field, map, _, _| {
         let whole = NormalField::of(grid);
-        let openness = |field: &NormalField, v: UVec3| openness(grid, field, v);
-        for (v, brick) in seen(grid, map) {
-            assert_eq!(field.packed(brick, v % 8), whole.packed(brick, v % 8), "{v}");
+        let openness = |field: &NormalField, v: UVec3| openness(field, v);
+        for (v, _) in seen(grid, map) {
+            assert_eq!(field.packed(v / 8, v % 8), whole.packed(v / 8, v % 8), "{v}");
             assert_eq!(openness(field, v), openness(&whole, v), "{v}");
         }
     });
@@ -90,9 +90,7 @@ fn prompt_pictures_show_first_estimates_where_bits_have_changed_and_refine_them_
     let estimates_of = |grid: &Grid| {
         let mut field = NormalField::default();
         field.follow(grid, None);
-        let mut all = field.queue.clone();
-        all.sort_unstable();
-        field.compute(Level::new(), grid, &all, Precision::Estimated, &mut Vec::new());
+        field.compute(Level::new(), grid, &nonempty(grid), Precision::Estimated, &mut Vec::new());
         field
     };
     let grid = scenes::cheese(120, 40, 3).unwrap();
@@ -106,10 +104,10 @@ fn prompt_pictures_show_first_estimates_where_bits_have_changed_and_refine_them_
             changed.iter().any(|b| distance(b) <= 1)
         };
         let now = pictures(grid, field);
-        let openness = |field: &NormalField, v: UVec3| openness(grid, field, v);
+        let openness = |field: &NormalField, v: UVec3| openness(field, v);
         for (v, brick) in seen(grid, map) {
-            let shown = field.packed(brick, v % 8);
-            let values = [&first, &whole].map(|field| field.packed(brick, v % 8));
+            let shown = field.packed(v / 8, v % 8);
+            let values = [&first, &whole].map(|field| field.packed(v / 8, v % 8));
             if near(v / 8) {
                 assert!(values.contains(&shown), "{v}");
                 let known = [&first, &whole].map(|field| openness(field, v));
@@ -117,7 +115,7 @@ fn prompt_pictures_show_first_estimates_where_bits_have_changed_and_refine_them_
                 estimated += u32::from(shown == values[0]);
             } else if shown != values[1] {
                 // As it was, and still to be refined.
-                assert!(field.queued.contains(brick as u32), "{v}");
+                assert!(field.table().is_outstanding(v / 8), "{v}");
             }
             refined += u32::from(shown == values[1]);
             let is_told = reported.contains(&(brick as u32));
@@ -175,7 +173,7 @@ fn edits_after_a_change_of_very_many_visible_bricks_are_prompt() {
         field.update_seen(grid, [(&map, pixels)], Precision::Estimated, &mut reported);
         assert!(!field.has_estimates(), "no shader has to find normals itself");
         let shown: BTreeSet<usize> = seen(grid, &map).map(|(_, brick)| brick).collect();
-        assert!(shown.iter().all(|brick| field.page(*brick) != NO_PAGE));
+        assert!(shown.iter().all(|brick| page(grid, field, *brick) != NO_PAGE));
         (shown.len(), reported.len())
     };
     let all: Vec<u32> = all.into_iter().collect();
@@ -185,6 +183,41 @@ fn edits_after_a_change_of_very_many_visible_bricks_are_prompt() {
     let (_, computed) = show(&grid, &mut field, &changed);
     assert!((1..400).contains(&computed), "{computed} bricks");
     field.update_deferred(&grid, &mut Vec::new(), || true);
+    assert!(field.is_complete());
+    assert_eq!(pictures(&grid, &field), pictures(&grid, &NormalField::of(&grid)));
+}
+
+/// A single picture of an opened sculpture computes the normals that it shows and no others. Edits before the next
+/// picture, and all others in the end, lose nothing of it.
+#[test]
+fn a_single_picture_computes_the_normals_that_it_shows() {
+    let mut grid = scenes::cheese(120, 40, 3).unwrap();
+    let rays = rays(&grid);
+    let mut map = IndexMap::new(rays);
+    let mut field = NormalField::default();
+    let mut changed = None;
+    for centre in [IVec3::splat(60), IVec3::new(100, 110, 80), IVec3::splat(119)] {
+        raycast::sample(&grid, &rays, &mut map);
+        field.follow(&grid, changed.as_deref());
+        let mut reported = Vec::new();
+        field.complete_seen(&grid, [&map], &mut reported, || true);
+        let whole = NormalField::of(&grid);
+        for (v, _) in seen(&grid, &map) {
+            assert_eq!(field.packed(v / 8, v % 8), whole.packed(v / 8, v % 8), "{v}");
+            assert_eq!(openness(&field, v), openness(&whole, v), "{v}");
+            assert!(!field.is_estimated(v / 8));
+        }
+        let shown: BTreeSet<_> = seen(&grid, &map).map(|(_, brick)| brick as u32).collect();
+        assert!(reported.iter().all(|brick| shown.contains(brick)));
+        let [computed, all] = [&field, &whole].map(|field| page_count(&grid, field));
+        assert!(computed < all / 2 && !field.is_complete(), "{computed} of {all}");
+        reported.clear();
+        field.complete_seen(&grid, [&map], &mut reported, || true);
+        assert!(reported.is_empty(), "nothing is computed twice");
+        changed = Some(ball(&mut grid, centre, 20, false));
+    }
+    field.follow(&grid, changed.as_deref());
+    field.update(&grid, &mut Vec::new(), || true);
     assert!(field.is_complete());
     assert_eq!(pictures(&grid, &field), pictures(&grid, &NormalField::of(&grid)));
 }
