@@ -329,7 +329,7 @@ fn colours_are_undone_after_a_paste_outside_the_grid() {
     let mut document =
         Document::new(&painted(UVec3::ONE, ColourDepth::Bits8, true), Limits::default()).unwrap();
     let original = document.contents().clone();
-    for line in ["cut", "fill colour=#c8beaa", "paste at=0,0,-1", "undo all", "dye colour=#c8beaa"]
+    for line in ["cut", "fill colour=#a02010", "paste at=0,0,-1", "undo all", "dye colour=#a02010"]
     {
         document.apply(&line.parse().unwrap()).unwrap();
     }
