@@ -21,7 +21,7 @@ pub(super) fn leaves_in(
     leaves
 }
 
-/// What a cube holds.
+/// The contents of a cube.
 #[derive(Clone, Copy)]
 enum Inside<'a> {
     Uniform(bool),

@@ -33,7 +33,7 @@ pub(in crate::sculpture) struct Painted {
     pub bricks: u64,
 }
 
-/// What becomes of the page of a brick: the new one, and the voxels that differ; `None` if none does.
+/// The change of the page of a brick: the new page, and the voxels that differ; `None` if none does.
 type NewPage = Option<(Page, Brick)>;
 
 /// A leaf to be painted, outside of the tree.
