@@ -77,6 +77,15 @@ impl PixelRays {
         }
     }
 
+    /// Returns a function that gives the shorter edge of a pixel, in voxels, at the depth of a point in grid coordinates:
+    /// 0 or less for points that are not before the eye.
+    pub fn pixel_edges_vx(&self) -> impl Fn(Vec3) -> f32 + use<> {
+        let forward = self.step_x.cross(self.step_y).normalize_or_zero();
+        let shorter = self.step_x.length().min(self.step_y.length());
+        let (origin, per_depth) = (self.origin, shorter / self.corner.dot(forward));
+        move |point| (point - origin).dot(forward) * per_depth
+    }
+
     /// Returns the direction of the ray through the centre of pixel (x, y), y counted downwards.
     #[inline(always)]
     pub fn direction(&self, x: u32, y: u32) -> Vec3 {

@@ -50,7 +50,7 @@ pub struct NormalField {
     /// The bits that the normals reflect: an edit of colours alone changes no normal. `None` before the first grid.
     followed: Option<Grid>,
     /// Blocks of a newly opened sculpture that have not been computed, those to come first last. Any of their bricks may
-    /// have been computed for a picture.
+    /// have been computed or estimated for a picture.
     blocks: Vec<UVec3>,
     /// Bricks that edits have changed; those from `fresh` on belong to the last edits and come first. Some of them are no
     /// longer outstanding, since they were computed for a picture.
@@ -161,7 +161,7 @@ impl NormalField {
     /// normals differ from before, in ascending order, each once. `grid` must be that of the last
     /// [`NormalField::follow`].
     pub fn update(&mut self, grid: &Grid, changed: &mut Vec<u32>, mut go_on: impl FnMut() -> bool) {
-        self.inexact.clear();
+        self.forget_inexact();
         self.retain_deferred(grid);
         if self.deferred.len() > MOST_AT_ONCE {
             self.estimated.clear();

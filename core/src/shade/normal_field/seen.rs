@@ -26,6 +26,9 @@ const PROMPT_PORTION: usize = 24;
 /// of them and estimates the others itself. For edits after an undo of many at once, that took far longer than these
 /// estimates.
 const MOST_ESTIMATED: usize = 1 << 15;
+/// The edge of a pixel, in voxels, from which on no picture shows more of refined normals than of first estimates: these
+/// are means over about as many voxels.
+const REFINED_BELOW_VX: f32 = 3.0;
 /// Rows of a picture in which a thread looks for bricks.
 const ROWS_AT_ONCE: usize = 64;
 
@@ -95,8 +98,9 @@ impl NormalField {
     }
 
     /// Computes the outstanding normals of bricks that are visible in these maps, however many they are, for as long as
-    /// `go_on` returns true. All others stay outstanding: pictures of an opened sculpture need no more. Reports bricks
-    /// as `update` does.
+    /// `go_on` returns true. All others stay outstanding: pictures of an opened sculpture need no more. Bricks whose
+    /// voxels are far smaller than a pixel ([`REFINED_BELOW_VX`]) have first estimates, and stay outstanding, too.
+    /// Reports bricks as `update` does.
     pub fn complete_seen<'a>(
         &mut self,
         grid: &Grid,
@@ -108,20 +112,48 @@ impl NormalField {
             return;
         }
         let mut seen = BrickSet::default();
+        let mut edges = Vec::new();
         for map in maps {
             bricks_in(grid, map, PixelRect::of_picture(map.rays.size), &self.table, &mut seen);
+            edges.push(map.rays.pixel_edges_vx());
         }
+        self.forget_inexact();
         let mut targets = indices(grid, &seen);
         targets.sort_by_cached_key(|index| (block(grid, *index), *index));
-        self.inexact.clear();
+        let is_refined = |index: &u32| {
+            let centre = (grid.brick_coords(*index as usize) * BRICK_EDGE_VX).as_vec3()
+                + 0.5 * BRICK_EDGE_VX as f32;
+            edges.iter().any(|edge| edge(centre) < REFINED_BELOW_VX)
+        };
         let first = changed.len();
         for portion in targets.chunk_by(|a, b| block(grid, *a) == block(grid, *b)) {
             if !go_on() {
                 break;
             }
-            self.compute(Level::new(), grid, portion, Precision::Refined, changed);
+            let (refined, mut estimated): (Vec<u32>, Vec<u32>) =
+                portion.iter().partition(|i| is_refined(i));
+            self.compute(Level::new(), grid, &refined, Precision::Refined, changed);
+            estimated.retain(|i| self.table.page(grid.brick_coords(*i as usize)) == NO_PAGE);
+            self.compute(Level::new(), grid, &estimated, Precision::Estimated, changed);
         }
         sort_from(changed, first);
+    }
+
+    /// Forgets which first estimates edits have made inexact, and removes those of an opened sculpture that remains to be
+    /// computed.
+    pub(super) fn forget_inexact(&mut self) {
+        let inexact = std::mem::take(&mut self.inexact);
+        if !self.blocks.is_empty() {
+            for (leaf, bricks) in inexact.leaves() {
+                for_each_in(leaf, &bricks, |b| {
+                    if self.table.is_outstanding(b) {
+                        self.free_page(b);
+                    }
+                });
+            }
+        }
+        self.inexact = inexact;
+        self.inexact.clear();
     }
 
     /// Gives first estimates to those of `targets` that are `inexact` or have none.

@@ -10,8 +10,12 @@ use crate::surface::{IndexMap, changed_pixels, raycast};
 use crate::view::{Camera, PixelRays};
 
 fn rays(grid: &Grid) -> PixelRays {
+    rays_of(grid, UVec2::new(160, 120))
+}
+
+fn rays_of(grid: &Grid, size: UVec2) -> PixelRays {
     let world_from_grid = Placement::default().world_from_grid(grid.dims(), grid.voxel_size());
-    let eye = Camera::framing(90.0, Vec3::new(0.8, 0.6, 1.0), Vec3::Y).eye(UVec2::new(160, 120));
+    let eye = Camera::framing(90.0, Vec3::new(0.8, 0.6, 1.0), Vec3::Y).eye(size);
     eye.pixel_rays(&world_from_grid)
 }
 
@@ -214,6 +218,52 @@ fn a_single_picture_computes_the_normals_that_it_shows() {
         reported.clear();
         field.complete_seen(&grid, [&map], &mut reported, || true);
         assert!(reported.is_empty(), "nothing is computed twice");
+        changed = Some(ball(&mut grid, centre, 20, false));
+    }
+    field.follow(&grid, changed.as_deref());
+    field.update(&grid, &mut Vec::new(), || true);
+    assert!(field.is_complete());
+    assert_eq!(pictures(&grid, &field), pictures(&grid, &NormalField::of(&grid)));
+}
+
+/// A picture whose pixels span several voxels has first estimates, of the bits as they are after edits, too; a nearer
+/// one has refined normals. In the end nothing is left of the estimates.
+#[test]
+fn a_picture_from_afar_has_first_estimates() {
+    let mut grid = scenes::cheese(120, 40, 3).unwrap();
+    let [far, near] = [UVec2::new(28, 21), UVec2::new(160, 120)].map(|size| rays_of(&grid, size));
+    let mut field = NormalField::default();
+    let mut changed = None;
+    let show = |grid: &Grid, field: &mut NormalField, rays: &PixelRays| {
+        let mut map = IndexMap::new(*rays);
+        raycast::sample(grid, rays, &mut map);
+        field.complete_seen(grid, [&map], &mut Vec::new(), || true);
+        map
+    };
+    for centre in [IVec3::splat(60), IVec3::new(100, 110, 80), IVec3::splat(119)] {
+        field.follow(&grid, changed.as_deref());
+        let map = show(&grid, &mut field, &far);
+        let mut estimated = NormalField::default();
+        estimated.follow(&grid, None);
+        let all = nonempty(&grid);
+        estimated.compute(Level::new(), &grid, &all, Precision::Estimated, &mut Vec::new());
+        for (v, _) in seen(&grid, &map) {
+            assert_eq!(field.packed(v / 8, v % 8), estimated.packed(v / 8, v % 8), "{v}");
+            assert_eq!(openness(&field, v), openness(&estimated, v), "{v}");
+        }
+        let whole = NormalField::of(&grid);
+        let refined = |v| whole.packed(v / 8, v % 8) == estimated.packed(v / 8, v % 8);
+        assert!(!seen(&grid, &map).all(|(v, _)| refined(v)), "the two differ");
+        let before = pictures(&grid, &field);
+        show(&grid, &mut field, &far);
+        assert_eq!(before, pictures(&grid, &field), "the same picture again");
+        let mut nearer = NormalField::default();
+        nearer.follow(&grid, None);
+        show(&grid, &mut nearer, &far);
+        let map = show(&grid, &mut nearer, &near);
+        for (v, _) in seen(&grid, &map) {
+            assert_eq!(nearer.packed(v / 8, v % 8), whole.packed(v / 8, v % 8), "{v}");
+        }
         changed = Some(ball(&mut grid, centre, 20, false));
     }
     field.follow(&grid, changed.as_deref());
