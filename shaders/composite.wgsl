@@ -1,5 +1,6 @@
 // Draws the shaded sculpture over the target, with the depth of its surface, so that it occludes what is drawn
-// later. The depth is where the pixel's ray enters the box of the voxel that it sees.
+// later. The depth is where the pixel's ray enters the box of the voxel that it sees. The voxels of a large sculpture
+// have no linear index: the map has the time of entry in its place.
 
 //!include "layout.wgsl"
 //!include "ray.wgsl"
@@ -23,11 +24,11 @@ fn main(@builtin(position) position: vec4<f32>) -> Pixel {
     if voxel == NO_VOXEL {
         discard;
     }
-    let low = voxel_of(voxel, view.dims);
+    let low = voxel_of(voxel, max(view.dims, vec3<u32>(1u)));
     let centre = vec2<f32>(texel) + 0.5;
     let ray = make_ray(view.origin, view.corner + view.step_x * centre.x + view.step_y * centre.y);
     let enter = crossings(ray, select(low + vec3<i32>(1), low, ray.forward));
-    let t = max(max(enter.x, enter.y), enter.z);
+    let t = select(max(max(enter.x, enter.y), enter.z), bitcast<f32>(voxel), view.dims.x == 0u);
     // An eye inside the voxel sees it at the near plane.
     let depth = select(1.0, (view.depth_slope * t + view.depth_at_0) / t, t > 0.0);
     let colour = stored(textureLoad(picture, texel, 0).xyz);

@@ -24,7 +24,7 @@ pub struct SurfacePoint {
 /// face, or come from behind a neighbour; then the result is the point of the face nearest to the ray's hit on the
 /// face's plane.
 pub fn surface_point(map: &IndexMap, grid: &Grid, at: Vec2) -> Option<SurfacePoint> {
-    let voxel = grid.voxel_coords(voxel_at(map, grid, at)?);
+    let voxel = voxel_at(map, grid, at)?;
     let low = voxel.as_vec3();
     let PixelRays { origin, .. } = map.rays;
     let middle = at.floor() + 0.5;
@@ -70,18 +70,18 @@ pub fn box_point(sight: &Sight, dims: UVec3, at: Vec2, last: Vec3) -> Option<Vec
     Some(sight.at_depth(at, depth))
 }
 
-/// Returns the index of the voxel seen at `at` (pixels). If only the device knows it, casts the pixel's ray into the
+/// Returns the voxel seen at `at` (pixels). If only the device knows it, casts the pixel's ray into the
 /// grid.
-pub fn voxel_at(map: &IndexMap, grid: &Grid, at: Vec2) -> Option<u32> {
+pub fn voxel_at(map: &IndexMap, grid: &Grid, at: Vec2) -> Option<UVec3> {
     if at.cmplt(Vec2::ZERO).any() || at.cmpge(map.rays.size.as_vec2()).any() {
         return None;
     }
     let (x, y) = (at.x as u32, at.y as u32);
     if map.is_known() {
-        return map.get(x, y);
+        return map.voxel(x, y);
     }
     let hit = raycast::cast(grid, map.rays.origin, map.rays.direction(x, y))?;
-    Some(grid.voxel_index(hit.voxel))
+    Some(hit.voxel)
 }
 
 /// Returns a map of the present picture that is independent of later changes of the grid.
@@ -227,6 +227,7 @@ mod tests {
         grid.set(IVec3::new(8, 8, 10), true);
         let sight = sight(Quat::IDENTITY, dims);
         let mut map = IndexMap::new(sight.rays);
+        map.reset(dims, sight.rays);
         let middle = Vec2::new(100.5, 49.5);
         assert_eq!(surface_point(&map, &grid, middle), None);
         map.voxels[100 + 49 * 200] = grid.voxel_index(UVec3::new(8, 8, 10));

@@ -48,7 +48,7 @@ impl Picker {
 
     /// Returns the voxel under a pixel.
     pub fn voxel(&self, grid: &Grid, at: Vec2) -> Option<UVec3> {
-        Some(grid.voxel_coords(geometry::voxel_at(self.map.as_ref()?, grid, at)?))
+        geometry::voxel_at(self.map.as_ref()?, grid, at)
     }
 
     /// Returns the direction out of the surface under a pixel: the normal of the voxel's face, or with `smooth` of the

@@ -28,7 +28,7 @@ pub struct CompositeEye {
     pub rays: PixelRays,
     /// The projection of the target's depth.
     pub projection: Mat4,
-    /// Size of the grid in voxels.
+    /// Size of the grid in voxels; zero if the index map on the device has entry times in place of linear indices.
     pub dims: UVec3,
     /// The eye's viewport in the target, in pixels: corner and size.
     pub corner: UVec2,

@@ -12,6 +12,7 @@ mod cpu_pictures;
 mod device_copy;
 mod dilated_occupancy;
 pub mod dilated_occupancy_image;
+mod entry_times;
 mod fallback;
 mod frame_cache;
 mod frame_desc;

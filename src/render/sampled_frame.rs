@@ -2,7 +2,7 @@
 //!
 //! Values alone; knows no pass and no device.
 
-use glam::UVec2;
+use glam::{UVec2, UVec3};
 
 use super::cpu_pictures::CpuPictures;
 use super::frame_cache::{FrameCache, pixels_to_compose};
@@ -10,7 +10,7 @@ use super::normal_stage::NormalStage;
 use super::overlay_scene::OverlayDrawing;
 use super::{Background, CompositeEye, FrameDesc, LitSurface, MAX_EYES, Shading};
 use crate::document::Document;
-use crate::surface::{IndexMap, PixelRect, PixelRects};
+use crate::surface::{IndexMap, PixelRect, PixelRects, is_linear};
 use crate::view::Eye;
 
 /// See the module text.
@@ -72,7 +72,11 @@ impl<'a> SampledFrame<'a> {
             eye: index,
             rays: map.rays,
             projection: eye.projection,
-            dims: document.grid().dims(),
+            dims: if is_linear(document.grid().dims()) {
+                document.grid().dims()
+            } else {
+                UVec3::ZERO
+            },
             corner: UVec2::ZERO,
             size: eye.size,
             background: if desc.video.is_some() { Background::Keep } else { desc.background },

@@ -9,9 +9,10 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use ash::vk;
-use glam::UVec2;
+use glam::{UVec2, UVec3};
 
 use super::device_copy::DeviceCopy;
+use super::entry_times::entry_times;
 use super::level_stage::SampledLevels;
 use super::pending::PendingUpload;
 use super::pixel_pass::PixelStage;
@@ -20,7 +21,7 @@ use super::{
 };
 use super::{MaskShown, RenderMode, Sampling};
 use crate::document::Document;
-use crate::gpu::{Device, Recorder, Result, Serial, Staging};
+use crate::gpu::{BufferRange, Device, Recorder, Result, Serial, Staging};
 use crate::sculpture::Grid;
 use crate::surface::partial::changed_pixels;
 use crate::surface::{IndexMap, PixelRect, pixels_of_grid, quickstep, raycast};
@@ -133,16 +134,15 @@ impl Sampler {
         self.staging.begin(slot);
         for ((eye, map), pending) in (0..).zip(maps).zip(&mut self.pending) {
             let visible = self.visible[eye as usize];
-            let width = map.rays.size.x;
             match std::mem::take(pending) {
                 PendingUpload::Nothing => {}
                 PendingUpload::Changed(rect) => {
                     let rect = rect.intersect(visible);
-                    let piece = self.staging.push(rect.rows_of(&map.voxels, width), 4)?;
+                    let piece = push_rows(&mut self.staging, map, rect)?;
                     target.update(recorder, eye, piece, rect.rows());
                 }
                 PendingUpload::All => {
-                    let piece = self.staging.push(visible.rows_of(&map.voxels, width), 4)?;
+                    let piece = push_rows(&mut self.staging, map, visible)?;
                     target.upload(recorder, eye, piece, visible.rows());
                 }
             }
@@ -228,7 +228,7 @@ impl Sampler {
                     if stays {
                         map.forget(*rays)
                     } else {
-                        map.reset(*rays)
+                        map.reset(grid.dims(), *rays)
                     }
                     self.pending[i] = PendingUpload::Nothing;
                     continue;
@@ -267,7 +267,7 @@ impl Sampler {
         map: &mut IndexMap,
     ) {
         if part.rows.start == 0 {
-            map.reset_with_normals(part.rays);
+            map.reset_with_normals(grid.dims(), part.rays);
         }
         smooth.sample_rect(grid, part.rect(), map);
         (self.visible[part.eye], self.pending[part.eye]) =
@@ -318,7 +318,7 @@ impl Sampler {
         let serial = copy.frames.submit(recorder, &[], &[])?;
         if read_back {
             device.wait(serial)?;
-            self.fetch_maps(&tasks, slot, serial, maps)?;
+            self.fetch_maps(document.grid().dims(), &tasks, (slot, serial), maps)?;
             self.device_ms = self.device_ms_when_done(mode)?;
         }
         Ok(())
@@ -343,19 +343,19 @@ impl Sampler {
         tasks
     }
 
-    /// Copies the maps that the submission `serial` of frame `slot` has read back to `maps`.
+    /// Copies the maps of a grid of `dims` voxels that the submission `serial` of frame `slot` has read back to `maps`.
     fn fetch_maps(
         &mut self,
+        dims: UVec3,
         tasks: &[Option<EyeTask>; MAX_EYES],
-        slot: usize,
-        serial: Serial,
+        (slot, serial): (usize, Serial),
         maps: &mut [Arc<IndexMap>],
     ) -> Result<()> {
         let start = Instant::now();
         for ((map, task), readback) in maps.iter_mut().zip(tasks).zip(&mut self.readbacks) {
             if task.is_some() {
                 readback.submitted(slot, serial);
-                readback.fetch(slot, Arc::make_mut(map))?;
+                readback.fetch(slot, dims, Arc::make_mut(map))?;
             }
         }
         self.read_back_ms = Some(start.elapsed().as_secs_f32() * 1e3);
@@ -387,6 +387,14 @@ impl Sampler {
     pub fn forget_copy(&mut self) {
         self.copy = None;
         self.device_ms = None;
+    }
+}
+
+/// Stages the rows of a map that `rect` touches, as the composite reads them.
+fn push_rows(staging: &mut Staging, map: &IndexMap, rect: PixelRect) -> Result<BufferRange> {
+    match map.numbering.is_linear() {
+        true => staging.push(rect.rows_of(&map.voxels, map.rays.size.x), 4),
+        false => staging.push(&entry_times(map, rect), 4),
     }
 }
 

@@ -137,7 +137,6 @@ impl SculpturePasses {
             let composition = Composition {
                 map: eye.map,
                 pixels: &frame.cpu.pixels[view.eye as usize],
-                dims: view.dims,
                 projection: view.projection,
                 background: match view.background {
                     Background::Keep => None,

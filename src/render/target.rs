@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use ash::vk;
-use glam::UVec2;
+use glam::{UVec2, UVec3};
 
 use crate::gpu::{
     Attachment, BufferRange, Device, EyeImage, Load, Readback, Recorder, ResourceUse, Result,
@@ -192,12 +192,12 @@ impl IndexReadback {
         self.readback.submitted(slot, serial);
     }
 
-    /// Waits for the last recording of `slot` and copies it to `map`, which keeps its allocation
-    /// and its other rows.
-    pub fn fetch(&self, slot: usize, map: &mut IndexMap) -> Result<()> {
+    /// Waits for the last recording of `slot`, of a grid of `dims` voxels, and copies it to `map`, which keeps its
+    /// allocation and its other rows.
+    pub fn fetch(&self, slot: usize, dims: UVec3, map: &mut IndexMap) -> Result<()> {
         let bytes = self.readback.wait(slot)?;
         if let Some(task) = &self.tasks[slot % self.tasks.len()] {
-            map.reset(task.rays);
+            map.reset(dims, task.rays);
             let rows = task.scissor.rows_of_mut(&mut map.voxels, task.rays.size.x);
             bytemuck::cast_slice_mut::<u32, u8>(rows).copy_from_slice(bytes);
         }

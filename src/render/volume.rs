@@ -19,7 +19,8 @@ use crate::gpu::{
     Staging, run_once,
 };
 use crate::sculpture::brick::BRICK_WORDS;
-use crate::sculpture::{Brick, Grid};
+use crate::sculpture::{Brick, Grid, NO_VOXEL};
+use crate::surface::is_linear;
 
 /// Most bytes in flight at once. Larger uploads are done in pieces, waiting for each.
 const CHUNK_BYTES: usize = 8 << 20;
@@ -203,6 +204,15 @@ fn pack(grid: &Grid, boxes: &[BrickBox], target: &mut [u8], copies: &mut Vec<vk:
 }
 
 fn make_image(device: &Arc<Device>, grid: &Grid) -> Result<Image> {
+    let dims = grid.dims();
+    if !is_linear(dims) {
+        return Err(GpuError::Limit {
+            what: format!("naming each voxel of {}x{}x{}", dims.x, dims.y, dims.z),
+            needed: dims.as_u64vec3().element_product(),
+            limit: "32-bit voxel index",
+            allowed: u64::from(NO_VOXEL) - 1,
+        });
+    }
     let bricks = grid.brick_dims();
     Image::new(
         device,

@@ -115,7 +115,7 @@ fn slice_read_back_shade_and_composite_two_eyes() {
             let mut pictures = Vec::new();
             for (readback, eye) in readbacks.iter_mut().zip(&eyes) {
                 readback.submitted(slot, serial);
-                readback.fetch(slot, &mut map).unwrap();
+                readback.fetch(slot, grid.dims(), &mut map).unwrap();
                 assert!(map == sampled(&grid, eye));
                 pictures.push(colours_of(&map));
             }
@@ -248,7 +248,6 @@ fn a_picture_composed_without_a_rasterizer_is_as_the_device_draws_it() {
             let composition = Composition {
                 map: &map,
                 pixels: &pixels,
-                dims: grid.dims(),
                 projection: eye.projection,
                 background: Some([top, bottom]),
                 is_linear,

@@ -43,7 +43,7 @@ fn march(
         for (rays, readback) in pair.iter().zip(&mut readbacks) {
             let mut map = IndexMap::new(*rays);
             readback.submitted(slot, serial);
-            readback.fetch(slot, &mut map).unwrap();
+            readback.fetch(slot, grid.dims(), &mut map).unwrap();
             maps.push(map);
         }
     }

@@ -38,8 +38,10 @@ fn slice(
             let size = [SIZE.x, SIZE.y, 1];
             let part = target.index().image().layer(eye);
             let bytes = read_image_once(device, part, size, 4, ResourceUse::COLOUR_TARGET).unwrap();
-            let voxels = bytemuck::pod_collect_to_vec(&bytes);
-            IndexMap { rays: *rays, voxels, normals: Vec::new() }
+            let mut map = IndexMap::new(*rays);
+            map.reset(grid.dims(), *rays);
+            map.voxels = bytemuck::pod_collect_to_vec(&bytes);
+            map
         })
         .collect()
 }

@@ -20,7 +20,7 @@ pub(super) struct SmoothField {
 impl SmoothField {
     /// Returns the surface of a grid of this size, within `limits`; all is outstanding.
     pub fn new(grid: &Grid, limits: &Limits) -> Result<SmoothField, MeshError> {
-        let levels = LevelSet::for_mesh(grid, limits.grid_bytes)?;
+        let levels = LevelSet::new(grid, limits.grid_bytes)?;
         Ok(SmoothField { normals: NormalField::default(), levels })
     }
 

@@ -42,37 +42,22 @@ pub(in crate::sculpture) use node::{NODE_EDGE_LOG2, Slot};
 pub use walls::voxels_at_walls;
 pub use word_reader::WordReader;
 
-/// Longest axis of a grid, in voxels. The product of all axes must also fit into a `u32` index.
+/// Longest axis of a grid, in voxels.
 pub const MAX_AXIS_VX: u32 = 4096;
 /// Marks "no voxel" in an index map.
 pub const NO_VOXEL: u32 = u32::MAX;
-/// The number of voxels that an index can address.
-const MOST_VOXELS: u64 = NO_VOXEL as u64 - 1;
 
-/// Returns the edge of the largest cube that `fits`, in voxels.
-fn largest_cube(fits: impl Fn(UVec3) -> bool) -> u32 {
+/// Returns the edge of the largest cube within a memory budget, in voxels.
+fn largest_within(budget_mib: u64) -> u32 {
+    let fits = |edge| Grid::bytes_for(UVec3::splat(edge)).div_ceil(1 << 20) <= budget_mib;
     // If a size fits, smaller ones fit as well.
     let (mut fitting, mut beyond) = (1, MAX_AXIS_VX + 1);
     while beyond - fitting > 1 {
         let middle = fitting.midpoint(beyond);
-        let edge = if fits(UVec3::splat(middle)) { &mut fitting } else { &mut beyond };
+        let edge = if fits(middle) { &mut fitting } else { &mut beyond };
         *edge = middle;
     }
     fitting
-}
-
-/// Returns the largest sizes whose voxels an index can address: of a cube, and with these two axes.
-fn largest_named(x: &u32, y: &u32) -> String {
-    let cube = largest_cube(|dims| product(dims) <= MOST_VOXELS);
-    let z = (MOST_VOXELS / (u64::from(*x) * u64::from(*y))).min(u64::from(MAX_AXIS_VX));
-    format!("the largest is {cube}x{cube}x{cube}, or {x}x{y}x{z}")
-}
-
-/// Returns the edge of the largest cube within a memory budget, in voxels.
-fn largest_within(budget_mib: u64) -> u32 {
-    largest_cube(|dims| {
-        product(dims) <= MOST_VOXELS && Grid::bytes_for(dims).div_ceil(1 << 20) <= budget_mib
-    })
 }
 
 /// Why a grid cannot be made.
@@ -81,12 +66,6 @@ pub enum GridError {
     /// The number of voxels on an axis is 0 or more than [`MAX_AXIS_VX`]; the size is given.
     #[error("grid of {0}x{1}x{2} voxels: every axis must be 1 to {MAX_AXIS_VX} voxels")]
     Axis(u32, u32, u32),
-    /// The size, and its number of voxels, which a `u32` index cannot address.
-    #[error(
-        "grid of {0}x{1}x{2} voxels: {3} voxels are more than the 2^32-2 that a voxel index can name; \
-         {largest}", largest = largest_named(.0, .1)
-    )]
-    Index(u32, u32, u32, u64),
     /// The grid needs more memory than allowed.
     #[error(transparent)]
     OverBudget(#[from] OverBudget),
@@ -141,10 +120,6 @@ impl Grid {
         let UVec3 { x, y, z } = dims;
         if dims.min_element() == 0 || dims.max_element() > MAX_AXIS_VX {
             return Err(GridError::Axis(x, y, z));
-        }
-        let voxels = product(dims);
-        if voxels > MOST_VOXELS {
-            return Err(GridError::Index(x, y, z, voxels));
         }
         let is_size = voxel_size.is_finite() && voxel_size.min_element() > 0.0;
         let rule = "is not valid: it must be a positive, finite length on every axis";
@@ -241,7 +216,7 @@ impl Grid {
         unflatten(index as u32, self.extent.bricks)
     }
 
-    /// Returns the linear voxel index `x + y*dX + z*dX*dY`, as index maps use it.
+    /// Returns the linear voxel index `x + y*dX + z*dX*dY`, of a grid of fewer than 2^32 voxels.
     #[inline(always)]
     pub fn voxel_index(&self, v: UVec3) -> u32 {
         v.x + self.extent.dims.x * (v.y + self.extent.dims.y * v.z)
@@ -406,16 +381,11 @@ pub(crate) mod tests {
         let new = |dims: [u32; 3], room| Grid::new(UVec3::from(dims), Vec3::ONE, room);
         assert!(matches!(new([0, 4, 4], ROOM), Err(GridError::Axis(0, 4, 4))));
         assert!(matches!(new([4097, 1, 1], ROOM), Err(GridError::Axis(..))));
-        assert!(matches!(new([4096, 4096, 4096], u64::MAX), Err(GridError::Index(..))));
+        assert!(new([4096, 4096, 4096], u64::MAX).is_ok());
         let error = new([1024, 1024, 1024], 64 << 20).unwrap_err().to_string();
         assert!(error.contains("64 MiB allowed for grids"), "{error}");
         assert!(error.contains("at most 800x800x800"), "{error}");
         assert!(new([800; 3], 64 << 20).is_ok() && new([801; 3], 64 << 20).is_err());
-        let error = new([2048, 2048, 2048], u64::MAX).unwrap_err().to_string();
-        assert!(error.contains("the largest is 1625x1625x1625, or 2048x2048x1023"), "{error}");
-        let check = |dims| Grid::check(UVec3::from(dims), Vec3::ONE, u64::MAX);
-        assert!(check([1625; 3]).is_ok() && check([1626; 3]).is_err());
-        assert!(check([2048, 2048, 1023]).is_ok() && check([2048, 2048, 1024]).is_err());
         assert!(Grid::new(UVec3::ONE, Vec3::new(1.0, f32::NAN, 1.0), ROOM).is_err());
         assert!(Grid::new(UVec3::ONE, Vec3::new(1.0, 0.0, 1.0), ROOM).is_err());
     }

@@ -4,7 +4,7 @@
 //! From an index map and its shaded picture to rows of colours and depths. Runs on all cores, without allocating.
 
 use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*, u32x16};
-use glam::{Mat4, UVec3, Vec3};
+use glam::{Mat4, Vec3};
 use rayon::prelude::*;
 
 use super::Pixels;
@@ -29,8 +29,6 @@ pub struct Composition<'a> {
     pub map: &'a IndexMap,
     /// Shaded from `map`.
     pub pixels: &'a Pixels,
-    /// Size of the grid in voxels.
-    pub dims: UVec3,
     /// The projection of the depths, reversed and infinite.
     pub projection: Mat4,
     /// A gradient, in sRGB from 0 to 1, from the upper to the lower edge of the picture. If `None`, the background is
@@ -61,7 +59,7 @@ impl Composition<'_> {
         if width == 0 {
             return;
         }
-        let (level, places) = (Level::new(), VoxelPlaces::of(self.dims));
+        let (level, places) = (Level::new(), VoxelPlaces::of(&self.map.numbering));
         let task_rows = (TASK_PIXELS / width).max(1);
         let tasks = colours
             .par_chunks_mut(task_rows * width)
@@ -220,7 +218,6 @@ mod tests {
             let composition = Composition {
                 map: &map,
                 pixels: &pixels,
-                dims: grid.dims(),
                 projection: eye.projection,
                 background,
                 is_linear,

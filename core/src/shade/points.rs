@@ -67,7 +67,7 @@ impl PointCloud {
         self.indices.par_sort_unstable();
         self.indices.dedup();
         let point = |tables: &mut OpennessTables, &index: &u32| {
-            let v = grid.voxel_coords(index);
+            let v = map.numbering.coords(index);
             let (normal, rgb) = (source.normal(v), colours.rgb(v));
             let estimate = match normal {
                 PackedNormal::NONE => source.estimate(v),

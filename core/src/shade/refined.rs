@@ -15,8 +15,8 @@ use super::pixels::Pixels;
 use super::smooth::{PixelSurface, Surfaces};
 use super::software::{ShadePose, shade};
 use super::source::ShadeSource;
-use crate::sculpture::{Grid, NO_VOXEL};
-use crate::surface::IndexMap;
+use crate::sculpture::NO_VOXEL;
+use crate::surface::{IndexMap, VoxelNumbering};
 
 /// The software shader with its buffers.
 #[derive(Debug, Default)]
@@ -69,7 +69,7 @@ impl SoftwareShader {
         rows.for_each(|(y, (out, voxels))| {
             let row = y * width..(y + 1) * width;
             let row = PixelRow {
-                grid: source.grid,
+                numbering: &map.numbering,
                 voxels,
                 shown: &shown[row.clone()],
                 reaching: &reaching[row],
@@ -103,7 +103,7 @@ impl SoftwareShader {
                         continue;
                     }
                     if voxel != last.0 {
-                        let v = grid.voxel_coords(voxel);
+                        let v = map.numbering.coords(voxel);
                         let open = if occlusion { source.openness(&mut tables, v) } else { 1.0 };
                         let sunlit = illumination.sun.map_or(1.0, |sun| {
                             sun.reaching(grid, v, source.outwards(v, source.normal(v)))
@@ -135,7 +135,7 @@ fn show(source: &ShadeSource, illumination: &Illumination, v: UVec3) -> PixelSur
 
 /// A row of pixels with their surfaces.
 struct PixelRow<'a> {
-    grid: &'a Grid,
+    numbering: &'a VoxelNumbering,
     voxels: &'a [u32],
     shown: &'a [PixelSurface],
     reaching: &'a [[f32; 2]],
@@ -163,7 +163,7 @@ impl PixelRow<'_> {
                     continue;
                 }
                 let shown = &self.shown[i];
-                let position = self.grid.voxel_coords(self.voxels[i]).as_vec3() + 0.5;
+                let position = self.numbering.coords(self.voxels[i]).as_vec3() + 0.5;
                 let gradient = *back * shown.normal;
                 for axis in 0..3 {
                     points.position[axis][lane] = position[axis];
@@ -186,7 +186,7 @@ impl PixelRow<'_> {
 mod tests {
     use super::*;
     use crate::scenes;
-    use crate::sculpture::{ColourDepth, Material, Placement, Rgb};
+    use crate::sculpture::{ColourDepth, Grid, Material, Placement, Rgb};
     use crate::shade::NormalField;
     use crate::surface::raycast;
     use crate::view::Camera;

@@ -19,7 +19,7 @@ use super::source::ShadeSource;
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
 use crate::sculpture::material::PageReader;
 use crate::sculpture::{ColourDepth, Grid, NO_VOXEL, Rgb};
-use crate::surface::{IndexMap, PixelRect};
+use crate::surface::{IndexMap, PixelRect, VoxelNumbering};
 
 /// Rows of pixels that one parallel task shades.
 const BAND_ROWS: usize = 32;
@@ -64,7 +64,7 @@ pub fn shade_rect(
     rect: PixelRect,
     out: &mut Pixels,
 ) {
-    Shader::new(source, pose, lighting).shade_rect(Level::new(), map, rect, out);
+    Shader::new(map, source, pose, lighting).shade_rect(Level::new(), rect, out);
 }
 
 /// Pixels of an index map.
@@ -87,7 +87,8 @@ impl<'a> IndexPixels<'a> {
 /// The data that all pixels of a picture share.
 struct Shader<'a> {
     source: ShadeSource<'a>,
-    places: VoxelPlaces,
+    map: &'a IndexMap,
+    places: VoxelPlaces<'a>,
     /// The size in leaves, by which the table of normals numbers bricks.
     leaf_dims: UVec3,
     illumination: Illumination,
@@ -129,14 +130,20 @@ struct StripScratch {
 }
 
 impl<'a> Shader<'a> {
-    fn new(source: &ShadeSource<'a>, pose: &ShadePose, lighting: &Lighting) -> Shader<'a> {
+    fn new(
+        map: &'a IndexMap,
+        source: &ShadeSource<'a>,
+        pose: &ShadePose,
+        lighting: &Lighting,
+    ) -> Shader<'a> {
         let illumination = Illumination::new(lighting, &pose.eye_from_world, &pose.world_from_grid);
         Shader {
             source: *source,
             has_colours: illumination.colour.is_none() && source.material.page_count() > 0,
             base: packed(illumination.colour.unwrap_or(source.material.base())),
             tinted: source.mask.map(|mask| (mask, source.colours(illumination.colour).depth())),
-            places: VoxelPlaces::of(source.grid.dims()),
+            map,
+            places: VoxelPlaces::of(&map.numbering),
             leaf_dims: source.normals.table().leaf_dims(),
             illumination,
             occlusion: lighting.occlusion,
@@ -144,7 +151,8 @@ impl<'a> Shader<'a> {
     }
 
     /// Performs [`shade_rect`] with selected vector instructions.
-    fn shade_rect(&self, level: Level, map: &IndexMap, rect: PixelRect, out: &mut Pixels) {
+    fn shade_rect(&self, level: Level, rect: PixelRect, out: &mut Pixels) {
+        let map = self.map;
         let picture = PixelRect::of_picture(map.rays.size);
         let rect = if out.size == map.rays.size { rect.intersect(picture) } else { picture };
         out.reset(map.rays.size);
@@ -414,24 +422,48 @@ fn packed(Rgb([r, g, b]): Rgb) -> u32 {
     u32::from_le_bytes([r, g, b, 0])
 }
 
-/// Converts indices of voxels to their coordinates.
-pub(super) struct VoxelPlaces {
-    row: u32,
-    slice: u32,
+/// Converts the numbers of an index map to the coordinates of their voxels.
+pub(super) enum VoxelPlaces<'a> {
+    Linear { row: u32, slice: u32 },
+    Listed(&'a VoxelNumbering),
 }
 
-impl VoxelPlaces {
-    pub fn of(dims: UVec3) -> VoxelPlaces {
-        VoxelPlaces { row: dims.x, slice: dims.x * dims.y }
+impl VoxelPlaces<'_> {
+    pub fn of(numbering: &VoxelNumbering) -> VoxelPlaces<'_> {
+        match numbering.linear_dims() {
+            Some(dims) => VoxelPlaces::Linear { row: dims.x, slice: dims.x * dims.y },
+            None => VoxelPlaces::Listed(numbering),
+        }
     }
 
-    /// Returns the coordinates of voxels.
+    /// Returns the coordinates of voxels; any of the grid, or of none, for [`NO_VOXEL`].
     #[inline(always)]
     pub(crate) fn coords<S: Simd>(&self, simd: S, voxels: u32x16<S>) -> [i32x16<S>; 3] {
-        let (z, in_slice) = divide(simd, voxels, self.slice);
-        let (y, x) = divide(simd, in_slice, self.row);
-        [x.bitcast(), y.bitcast(), z.bitcast()]
+        match *self {
+            VoxelPlaces::Linear { row, slice } => {
+                let (z, in_slice) = divide(simd, voxels, slice);
+                let (y, x) = divide(simd, in_slice, row);
+                [x.bitcast(), y.bitcast(), z.bitcast()]
+            }
+            VoxelPlaces::Listed(numbering) => {
+                let places = listed(numbering, &voxels.to_array());
+                places.map(|axis| i32x16::load_array(simd, axis))
+            }
+        }
     }
+}
+
+/// Looks up the coordinates of voxels, by axis.
+#[inline(never)]
+fn listed(numbering: &VoxelNumbering, voxels: &[u32; LANES]) -> [[i32; LANES]; 3] {
+    let mut places = [[0; LANES]; 3];
+    for (lane, &voxel) in voxels.iter().enumerate() {
+        let voxel = numbering.coords(voxel);
+        for (axis, places) in places.iter_mut().enumerate() {
+            places[lane] = voxel[axis] as i32;
+        }
+    }
+    places
 }
 
 /// Returns quotient and remainder. The quotient must be below 2^20 and the divisor below 2^30: then the floating-point

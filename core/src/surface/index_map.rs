@@ -3,19 +3,22 @@
 
 use std::ops::Range;
 
-use glam::UVec2;
+use glam::{UVec2, UVec3};
 
+use super::numbering::VoxelNumbering;
 use crate::sculpture::NO_VOXEL;
 use crate::view::PixelRays;
 
-/// One linear voxel index ([`crate::sculpture::Grid::voxel_index`]) per pixel, row by row from the top, [`NO_VOXEL`]
-/// where the ray meets nothing; with the rays that it was made with.
-#[derive(Clone, PartialEq, Debug)]
+/// The number of a voxel per pixel, row by row from the top, [`NO_VOXEL`] where the ray meets nothing; with the rays that
+/// it was made with.
+#[derive(Clone, Debug)]
 pub struct IndexMap {
     /// The view of the map.
     pub rays: PixelRays,
     /// `rays.size.x * rays.size.y` values, or none ([`IndexMap::forget`]).
     pub voxels: Vec<u32>,
+    /// What the numbers name.
+    pub numbering: VoxelNumbering,
     /// The normal of each pixel, packed as [`crate::shade::normal_field::PackedNormal`], from a sampler that knows the
     /// surface between voxels. Otherwise empty: the voxels' own normals apply.
     pub normals: Vec<u16>,
@@ -25,20 +28,23 @@ impl IndexMap {
     /// Returns a map without visible voxels.
     pub fn new(rays: PixelRays) -> IndexMap {
         let pixels = rays.size.x as usize * rays.size.y as usize;
-        IndexMap { rays, voxels: vec![NO_VOXEL; pixels], normals: Vec::new() }
+        let numbering = VoxelNumbering::default();
+        IndexMap { rays, voxels: vec![NO_VOXEL; pixels], numbering, normals: Vec::new() }
     }
 
-    /// Changes the view of the map, keeping its memory. The values are left as they are.
-    pub fn reset(&mut self, rays: PixelRays) {
+    /// Changes the view of the map, keeping its memory, for a grid of `dims` voxels. The values are left as they are, but
+    /// name no voxels any more, unless the grid is one of linear indices and as large as before.
+    pub fn reset(&mut self, dims: UVec3, rays: PixelRays) {
         self.rays = rays;
         self.voxels.resize(rays.size.x as usize * rays.size.y as usize, NO_VOXEL);
         self.normals.clear();
+        self.numbering.begin(dims, self.voxels.len());
     }
 
     /// Performs [`IndexMap::reset`] for a map that has normals.
-    pub fn reset_with_normals(&mut self, rays: PixelRays) {
+    pub fn reset_with_normals(&mut self, dims: UVec3, rays: PixelRays) {
         let normals = std::mem::take(&mut self.normals);
-        self.reset(rays);
+        self.reset(dims, rays);
         self.normals = normals;
         self.normals.resize(self.voxels.len(), u16::MAX);
     }
@@ -48,6 +54,16 @@ impl IndexMap {
         self.rays = rays;
         self.voxels.clear();
         self.normals.clear();
+    }
+
+    /// Prepares to sample the pixels of `rect` again, in a grid of `dims` voxels. A map of another size must name no
+    /// voxels.
+    pub fn renew(&mut self, dims: UVec3, rect: PixelRect) {
+        if !self.numbering.fits(dims) {
+            return self.numbering.begin(dims, self.voxels.len());
+        }
+        let rect = rect.intersect(PixelRect::of_picture(self.rays.size));
+        self.numbering.make_room(rect.pixel_count() as usize, &mut self.voxels);
     }
 
     /// Returns whether the voxels are in memory.
@@ -61,9 +77,28 @@ impl IndexMap {
         (voxel != NO_VOXEL).then_some(voxel)
     }
 
+    /// Returns the coordinates of the voxel visible through pixel (x, y).
+    pub fn voxel(&self, x: u32, y: u32) -> Option<UVec3> {
+        self.get(x, y).map(|number| self.numbering.coords(number))
+    }
+
     /// Returns the number of pixels through which a voxel is visible.
     pub fn covered(&self) -> usize {
         self.voxels.iter().filter(|&&v| v != NO_VOXEL).count()
+    }
+}
+
+impl PartialEq for IndexMap {
+    /// Compares what the maps show: numbers may differ.
+    fn eq(&self, other: &IndexMap) -> bool {
+        let same = |(&a, &b): (&u32, &u32)| match (a, b) {
+            (NO_VOXEL, _) | (_, NO_VOXEL) => a == b,
+            _ => self.numbering.coords(a) == other.numbering.coords(b),
+        };
+        self.rays == other.rays
+            && self.normals == other.normals
+            && self.voxels.len() == other.voxels.len()
+            && self.voxels.iter().zip(&other.voxels).all(same)
     }
 }
 

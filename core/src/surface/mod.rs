@@ -1,6 +1,7 @@
 //! Sampling the surface: the voxel visible through each pixel. Pure CPU code.
 
 pub mod index_map;
+mod numbering;
 #[doc(hidden)]
 pub mod partial;
 #[doc(hidden)]
@@ -13,5 +14,7 @@ pub mod slices;
 mod tiles;
 
 pub use index_map::{IndexMap, PixelRect};
+pub(crate) use numbering::VoxelNamer;
+pub use numbering::{VoxelNumbering, is_linear};
 pub use partial::{changed_pixels, pixels_of_grid};
 pub use pixel_rects::PixelRects;

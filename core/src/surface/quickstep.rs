@@ -38,7 +38,7 @@ pub fn cast(grid: &Grid, origin: Vec3, direction: Vec3) -> Option<UVec3> {
 
 /// Fills `map` with the voxels that Quickstep finds along `rays`. Keeps the map's memory.
 pub fn sample(grid: &Grid, rays: &PixelRays, map: &mut IndexMap) {
-    map.reset(*rays);
+    map.reset(grid.dims(), *rays);
     sample_rect(grid, map, PixelRect::of_picture(rays.size));
 }
 

@@ -25,6 +25,7 @@ use self::ray::Ray;
 use self::sweep::Sweep;
 use self::walk::Walk;
 use super::index_map::{IndexMap, PixelRect};
+use super::numbering::VoxelNamer;
 use super::tiles::for_each_tile;
 use crate::sculpture::vectors::vectorised;
 use crate::sculpture::{Grid, NO_VOXEL};
@@ -55,7 +56,7 @@ pub fn cast(grid: &Grid, origin: Vec3, direction: Vec3) -> Option<Hit> {
 
 /// Fills `map` with the first voxels on `rays`. Keeps the map's memory.
 pub fn sample(grid: &Grid, rays: &PixelRays, map: &mut IndexMap) {
-    map.reset(*rays);
+    map.reset(grid.dims(), *rays);
     sample_rect(grid, map, PixelRect::of_picture(rays.size));
 }
 
@@ -68,7 +69,8 @@ fn sample_rect_at(level: Level, grid: &Grid, map: &mut IndexMap, rect: PixelRect
     match Projection::new(&map.rays) {
         Some(projection) => {
             let sweep = Sweep { grid, rays: map.rays, projection, level };
-            for_each_tile(map, rect, |tile| sweep.run(tile));
+            map.renew(grid.dims(), rect);
+            for_each_tile(map, rect, |tile, numbering| sweep.run(tile, numbering));
         }
         // Degenerate: all pixels in a line or a point.
         None => sample_each(grid, map, rect, |origin, direction| {
@@ -85,15 +87,17 @@ pub(super) fn sample_each(
     first_voxel: impl Fn(Vec3, Vec3) -> Option<UVec3> + Sync,
 ) {
     let rays = map.rays;
-    for_each_tile(map, rect, |mut tile| {
+    map.renew(grid.dims(), rect);
+    for_each_tile(map, rect, |mut tile, numbering| {
         let PixelRect { min, max } = tile.rect;
         vectorised(
             #[inline(always)]
             || {
+                let mut namer = VoxelNamer::new(numbering);
                 for y in min.y..max.y {
                     for (pixel, x) in tile.row(y - min.y).iter_mut().zip(min.x..) {
                         let voxel = first_voxel(rays.origin, rays.direction(x, y));
-                        *pixel = voxel.map_or(NO_VOXEL, |voxel| grid.voxel_index(voxel));
+                        *pixel = voxel.map_or(NO_VOXEL, |voxel| namer.number(voxel));
                     }
                 }
             },

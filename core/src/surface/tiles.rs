@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::IndexMap;
 use super::index_map::PixelRect;
+use super::numbering::VoxelNumbering;
 
 /// Largest width and height of a tile, in pixels: a row of a tile is a 64-bit mask.
 pub(super) const TILE_EDGE_PX: u32 = 64;
@@ -25,14 +26,20 @@ impl Tile<'_> {
     }
 }
 
-/// Calls `f` for tiles that cover `rect` (cut to the picture), in parallel.
-pub(super) fn for_each_tile(map: &mut IndexMap, rect: PixelRect, f: impl Fn(Tile) + Sync) {
+/// Calls `f` for tiles that cover `rect` (cut to the picture), in parallel, each with the numbering of the map.
+pub(super) fn for_each_tile(
+    map: &mut IndexMap,
+    rect: PixelRect,
+    f: impl Fn(Tile, &VoxelNumbering) + Sync,
+) {
     let PixelRect { min, max } = rect.intersect(PixelRect::of_picture(map.rays.size));
     if !min.cmplt(max).all() {
         return;
     }
     let width = map.rays.size.x as usize;
     let columns = min.x as usize..max.x as usize;
+    let numbering = &map.numbering;
+    let f = |tile: Tile| f(tile, numbering);
     map.voxels[min.y as usize * width..max.y as usize * width]
         .par_chunks_mut(width * ROWS)
         .zip((min.y..max.y).into_par_iter().step_by(ROWS))
@@ -92,7 +99,7 @@ mod tests {
             let mut map = IndexMap::new(rays);
             map.voxels.fill(7);
             let rect = PixelRect { min: UVec2::from(a), max: UVec2::from(b) };
-            for_each_tile(&mut map, rect, |mut tile| {
+            for_each_tile(&mut map, rect, |mut tile, _| {
                 let PixelRect { min, max } = tile.rect;
                 for y in min.y..max.y {
                     let row = tile.row(y - min.y);

@@ -37,8 +37,8 @@ pub use prepared::{PreparedGround, PreparedTrace, pass_rays, prepare};
 pub use tone::{display_pixels, preview_pixels};
 
 use crate::progress::Progress;
+use crate::sculpture::Rgb;
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_coords};
-use crate::sculpture::{NO_VOXEL, Rgb};
 use crate::shade::ground::GROUND_COLOUR;
 use crate::shade::level_set::CellCache;
 use crate::shade::{LevelSet, ShadeSource};
@@ -159,7 +159,7 @@ pub fn trace_watched(
                 raycast::sample(levels.cells(), &LevelSet::rays_of_cells(&rays), &mut map);
             }
         }
-        let pass = Pass { tracer: &tracer, source, pupil, rays, map: &map, index, progress };
+        let pass = Pass { tracer: &tracer, pupil, rays, map: &map, index, progress };
         film.par_rows_mut()
             .for_each_init(CellCache::default, |cache, (y, row)| pass.add_row(y, row, cache));
         if progress.is_cancelled() {
@@ -245,7 +245,6 @@ fn pupil(scene: &PathScene, camera: &TraceCamera, rays: &PixelRays, lens: &Lens)
 /// A pass with one ray per pixel.
 struct Pass<'a> {
     tracer: &'a Tracer<'a>,
-    source: &'a ShadeSource<'a>,
     pupil: Option<Pupil>,
     /// The rays of the eye.
     rays: PixelRays,
@@ -271,9 +270,7 @@ impl Pass<'_> {
         let (rays, scene) = (&self.rays, &self.tracer.scene);
         let (origin, along, first) = match &self.pupil {
             None => {
-                let index = self.map.voxels[(x + y * rays.size.x) as usize];
-                let grid = scene.levels.map_or(self.source.grid, LevelSet::cells);
-                let first = (index != NO_VOXEL).then(|| grid.voxel_coords(index));
+                let first = self.map.voxel(x, y);
                 (rays.origin, rays.direction(x, y), first)
             }
             Some(pupil) => {

@@ -31,7 +31,7 @@ use super::NormalField;
 use super::normal_field::PackedDepth;
 use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, BrickKind};
 use crate::sculpture::index_set::IndexSet;
-use crate::sculpture::{Grid, GridError, NO_VOXEL};
+use crate::sculpture::{Grid, GridError};
 use crate::view::PixelRays;
 
 pub use self::layer::LevelLayer;
@@ -67,19 +67,8 @@ pub struct LevelSet {
 }
 
 impl LevelSet {
-    /// Returns the levels for pictures of a grid of this size, within `budget_bytes`; all levels are outstanding. Also
-    /// returns an error if there are more cells than an index map can address.
+    /// Returns the levels of a grid of this size, within `budget_bytes`; all levels are outstanding.
     pub fn new(grid: &Grid, budget_bytes: u64) -> Result<LevelSet, GridError> {
-        let UVec3 { x, y, z } = grid.dims() + 1;
-        let cells = u64::from(x) * u64::from(y) * u64::from(z);
-        match cells < u64::from(NO_VOXEL) {
-            true => LevelSet::for_mesh(grid, budget_bytes),
-            false => Err(GridError::Index(x, y, z, cells)),
-        }
-    }
-
-    /// Returns the levels for callers that cast no rays: for a grid of any size, as [`LevelSet::new`] otherwise.
-    pub(crate) fn for_mesh(grid: &Grid, budget_bytes: u64) -> Result<LevelSet, GridError> {
         let count = grid.brick_count();
         let cells = grid.of_cells(budget_bytes)?;
         let mut stale = IndexSet::new(count);

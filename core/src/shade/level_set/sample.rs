@@ -12,7 +12,7 @@ use super::ray::{CellCache, LevelScene, Naming};
 use crate::sculpture::{Grid, NO_VOXEL};
 use crate::shade::NormalField;
 use crate::shade::normal_field::PackedNormal;
-use crate::surface::{IndexMap, PixelRect, raycast};
+use crate::surface::{IndexMap, PixelRect, VoxelNamer, raycast};
 use crate::view::PixelRays;
 
 /// Rows of pixels that one parallel task samples, and the width of its strips: pixels of a strip examine the same
@@ -61,7 +61,7 @@ impl LevelSampler {
         rays: &PixelRays,
         map: &mut IndexMap,
     ) {
-        map.reset_with_normals(*rays);
+        map.reset_with_normals(grid.dims(), *rays);
         self.sample_rect(grid, normals, levels, PixelRect::of_picture(rays.size), map);
     }
 
@@ -78,10 +78,12 @@ impl LevelSampler {
         if rect.is_empty() {
             return;
         }
-        self.cells.reset(LevelSet::rays_of_cells(&map.rays));
+        self.cells.reset(levels.cells().dims(), LevelSet::rays_of_cells(&map.rays));
         raycast::sample_rect(levels.cells(), &mut self.cells, rect);
         let scene = LevelScene { grid, normals, levels };
         let (rays, sample) = (self.cells.rays, self.sample);
+        map.renew(grid.dims(), rect);
+        let (numbering, cell_numbering) = (&map.numbering, &self.cells.numbering);
         let (width, band) = (map.rays.size.x, map.rays.size.x as usize * BAND_ROWS);
         let voxels = rect.rows_of_mut(&mut map.voxels, width).par_chunks_mut(band);
         let normals = rect.rows_of_mut(&mut map.normals, width).par_chunks_mut(band);
@@ -90,6 +92,7 @@ impl LevelSampler {
         bands.for_each_init(CellCache::default, |cache, (band, ((voxels, normals), cells))| {
             let first_y = rect.min.y + (band * BAND_ROWS) as u32;
             let rows = 0..(cells.len() / width as usize) as u32;
+            let mut namer = VoxelNamer::new(numbering);
             for left in (rect.min.x..rect.max.x).step_by(STRIP_PX) {
                 let strip = left..rect.max.x.min(left + STRIP_PX as u32);
                 for (row, x) in rows.clone().flat_map(|row| strip.clone().map(move |x| (row, x))) {
@@ -97,14 +100,14 @@ impl LevelSampler {
                     let seen = match cells[i] {
                         NO_VOXEL => None,
                         cell => {
-                            let cell = levels.cells().voxel_coords(cell);
+                            let cell = cell_numbering.coords(cell);
                             let direction = rays.direction(x, first_y + row);
                             let naming = naming(sample, [x, first_y + row]);
                             scene.hit(naming, rays.origin, direction, cell, cache)
                         }
                     };
                     (voxels[i], normals[i]) = match seen {
-                        Some(hit) => (grid.voxel_index(hit.voxel), hit.normal.0),
+                        Some(hit) => (namer.number(hit.voxel), hit.normal.0),
                         None => (NO_VOXEL, PackedNormal::NONE.0),
                     };
                 }

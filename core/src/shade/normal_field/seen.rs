@@ -51,7 +51,7 @@ impl NormalField {
         let mut seen = BrickSet::default();
         for (map, rects) in views {
             for rect in rects.as_slice() {
-                bricks_in(grid, map, *rect, &self.table, &mut seen);
+                bricks_in(map, *rect, &self.table, &mut seen);
             }
         }
         let mut targets = indices(grid, &seen);
@@ -114,7 +114,7 @@ impl NormalField {
         let mut seen = BrickSet::default();
         let mut edges = Vec::new();
         for map in maps {
-            bricks_in(grid, map, PixelRect::of_picture(map.rays.size), &self.table, &mut seen);
+            bricks_in(map, PixelRect::of_picture(map.rays.size), &self.table, &mut seen);
             edges.push(map.rays.pixel_edges_vx());
         }
         self.forget_inexact();
@@ -242,7 +242,7 @@ fn indices(grid: &Grid, bricks: &BrickSet) -> Vec<u32> {
 }
 
 /// Adds to `seen` the bricks whose voxels are visible in `rect`, of those that are outstanding in `table`.
-fn bricks_in(grid: &Grid, map: &IndexMap, rect: PixelRect, table: &PageTable, seen: &mut BrickSet) {
+fn bricks_in(map: &IndexMap, rect: PixelRect, table: &PageTable, seen: &mut BrickSet) {
     let rect = rect.intersect(PixelRect::of_picture(map.rays.size));
     let (left, right) = (rect.min.x as usize, rect.max.x as usize);
     if left >= right {
@@ -254,7 +254,7 @@ fn bricks_in(grid: &Grid, map: &IndexMap, rect: PixelRect, table: &PageTable, se
             let (mut last_voxel, mut last) = (NO_VOXEL, UVec3::MAX);
             for &voxel in &row[left..right] {
                 if voxel != last_voxel && voxel != NO_VOXEL {
-                    let b = grid.voxel_coords(voxel) / BRICK_EDGE_VX;
+                    let b = map.numbering.coords(voxel) / BRICK_EDGE_VX;
                     if b != last && table.is_outstanding(b) {
                         found.push(b);
                     }

@@ -4,6 +4,7 @@ use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
 use crate::sculpture::{Brick, ColourDepth, Grid, Material, Placement};
 use crate::shade::{Light, LightFrame, LightSource, ToneMapping};
 use crate::shade::{NormalField, mask_tint, normal};
+use crate::surface::VoxelNamer;
 use crate::surface::raycast;
 use crate::surface::raycast::tests::levels;
 use crate::view::Camera;
@@ -65,13 +66,23 @@ fn a_pixel_is_shaded_the_same_whatever_is_beside_it() {
 #[test]
 fn places_are_those_of_the_grid() {
     let mut random = crate::scenes::Random(9);
-    for dims in [[1, 1, 1], [1, 7, 3], [4096, 1, 5], [1000, 3, 77], [4096, 4095, 255]] {
+    for dims in [
+        [1, 1, 1],
+        [1, 7, 3],
+        [4096, 1, 5],
+        [1000, 3, 77],
+        [4096, 4095, 255],
+        [4096; 3],
+        [4096, 1024, 1024],
+    ] {
         let dims = UVec3::from(dims);
-        let places = VoxelPlaces::of(dims);
+        let numbering = VoxelNumbering::new(dims, 20_000);
+        let places = VoxelPlaces::of(&numbering);
         for _ in 0..1000 {
             let mut voxels: [UVec3; 16] = std::array::from_fn(|_| random.voxel(dims).as_uvec3());
             voxels[0] = dims - 1;
-            let indices = voxels.map(|v| v.x + dims.x * (v.y + dims.y * v.z));
+            let mut namer = VoxelNamer::new(&numbering);
+            let indices = voxels.map(|v| namer.number(v));
             let found = dispatch!(Level::new(), simd => {
                 let indices = u32x16::load_array_ref(simd, &indices);
                 places.coords(simd, indices).map(|v| v.to_array())
@@ -205,7 +216,7 @@ fn pictures_are_as_defined_for_all_lights_colours_and_voxel_shapes() {
     }) {
         let source = ShadeSource { grid: &grid, material: &material, normals, mask };
         let mut out = Pixels::default();
-        Shader::new(&source, &pose, &lighting).shade_rect(level, &map, whole, &mut out);
+        Shader::new(&map, &source, &pose, &lighting).shade_rect(level, whole, &mut out);
         for (&voxel, pixel) in map.voxels.iter().zip(&out.rgba) {
             if voxel == NO_VOXEL {
                 assert_eq!(*pixel, [0; 4]);

@@ -11,6 +11,7 @@ use super::packet::{LANES, PacketBrick, cast_packet};
 use super::projection::{MAX_LEVEL, Projection, TileFrame, TileRect};
 use crate::sculpture::{Brick, Grid, NO_VOXEL};
 use crate::surface::index_map::PixelRect;
+use crate::surface::numbering::{BrickNumbers, VoxelNumbering};
 use crate::surface::tiles::{TILE_EDGE_PX, Tile};
 use crate::view::PixelRays;
 
@@ -62,18 +63,19 @@ struct Children {
 struct TileSweep<'a, S: Simd> {
     simd: S,
     sweep: &'a Sweep<'a>,
+    numbering: &'a VoxelNumbering,
     frame: TileFrame,
     canvas: &'a mut Canvas,
 }
 
 impl Sweep<'_> {
     /// Samples a tile.
-    pub fn run(&self, tile: Tile) {
-        dispatch!(self.level, simd => self.run_with(simd, tile));
+    pub fn run(&self, tile: Tile, numbering: &VoxelNumbering) {
+        dispatch!(self.level, simd => self.run_with(simd, tile, numbering));
     }
 
     #[inline(always)]
-    fn run_with<S: Simd>(&self, simd: S, mut tile: Tile) {
+    fn run_with<S: Simd>(&self, simd: S, mut tile: Tile, numbering: &VoxelNumbering) {
         let PixelRect { min, max } = tile.rect;
         let size = max - min;
         let frame = TileFrame {
@@ -90,7 +92,7 @@ impl Sweep<'_> {
         canvas.open[..size.y as usize].fill(u64::MAX >> (TILE_EDGE_PX - size.x));
 
         let whole = TileRect { x0: 0, x1: size.x - 1, y0: 0, y1: size.y - 1 };
-        TileSweep { simd, sweep: self, frame, canvas: &mut canvas }.visit_cubes(whole);
+        TileSweep { simd, sweep: self, numbering, frame, canvas: &mut canvas }.visit_cubes(whole);
         for y in 0..size.y {
             let from = (y * TILE_EDGE_PX) as usize;
             tile.row(y).copy_from_slice(&canvas.voxels[from..from + size.x as usize]);
@@ -213,20 +215,28 @@ impl<S: Simd> TileSweep<'_, S> {
     /// Casts a brick for the open pixels of a rectangle.
     #[inline(always)]
     fn cast_brick(&mut self, brick: &Brick, corner: UVec3, rect: TileRect) {
-        let Sweep { grid, rays, .. } = self.sweep;
+        let (rays, numbering) = (&self.sweep.rays, self.numbering);
         let canvas = &mut *self.canvas;
         let count = canvas.queue_open(self.simd, rect);
         let brick = PacketBrick::new(brick, corner.as_ivec3(), rays.origin);
-        let first_index = grid.voxel_index(corner);
-        let UVec3 { x: row, y: rows, .. } = grid.dims();
+        let mut numbers = None;
         for first in (0..count).step_by(LANES) {
             let mut pixels = [0; LANES];
             pixels.copy_from_slice(&canvas.queue[first..first + LANES]);
             let lanes = (count - first).min(LANES);
             let hit = cast_packet(self.simd, rays, &self.frame, &brick, &pixels, lanes);
-            let [x, y, z] = hit.voxels;
-            let indices = (x + (y + z * rows) * row + first_index).to_array();
             let mut rest = hit.lanes;
+            if rest == 0 {
+                continue;
+            }
+            // A brick that no pixel shows takes no slot.
+            let numbers = numbers.get_or_insert_with(|| numbering.of_brick(corner / 8));
+            let [x, y, z] = hit.voxels;
+            let indices = match *numbers {
+                Some(BrickNumbers { first, row, slice }) => x + y * row + z * slice + first,
+                None => u32x16::splat(self.simd, NO_VOXEL),
+            };
+            let indices = indices.to_array();
             while rest != 0 {
                 let lane = rest.trailing_zeros() as usize & (LANES - 1);
                 rest &= rest - 1;

@@ -218,7 +218,7 @@ impl Depths {
             let mut met: Vec<(u32, Brick)> = Vec::new();
             let pixels = depths.iter_mut().zip(voxels).zip(0..);
             for ((depth, &voxel), x) in pixels.filter(|((_, voxel), _)| **voxel != NO_VOXEL) {
-                let voxel = grid.voxel_coords(voxel);
+                let voxel = map.numbering.coords(voxel);
                 let low = voxel.as_vec3() - eye_vx;
                 let ray = direction(&view, x, y as u32);
                 let (a, b) = (low / ray, (low + 1.0) / ray);

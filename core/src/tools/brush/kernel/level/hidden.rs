@@ -72,7 +72,7 @@ impl Hidden {
             NO_VOXEL => f32::INFINITY,
             voxel => {
                 let ray = direction(&view, i as u32 % side, i as u32 / side);
-                let low = grid.voxel_coords(voxel).as_vec3() - eye_vx;
+                let low = map.numbering.coords(voxel).as_vec3() - eye_vx;
                 (low / ray).min((low + 1.0) / ray).max_element().max(0.0)
             }
         };
