@@ -128,7 +128,7 @@ impl Config {
             ("journal", self.journal.check()),
             ("saved_history", self.saved_history.check()),
             ("autosave", self.autosave.check()),
-            ("new", self.new.check(&self.limits())),
+            ("new", self.new.check()),
             ("render", self.render.check()),
             ("window", self.window.check()),
             ("gamepad", self.gamepad.check()),

@@ -78,7 +78,7 @@ pub struct Document {
 impl Document {
     /// Creates a document with a new sculpture and an empty history.
     pub fn new(new: &NewSculpture, limits: Limits) -> Result<Document, CommandError> {
-        Ok(Document::from_contents(make_contents(new, &limits)?, limits))
+        Ok(Document::from_contents(make_contents(new)?, limits))
     }
 
     /// Creates a document with existing contents and an empty history.
@@ -264,8 +264,8 @@ impl Document {
 }
 
 /// Creates the contents that [`Command::New`] describes, for [`Document::replace`].
-pub fn make_contents(new: &NewSculpture, limits: &Limits) -> Result<Contents, CommandError> {
-    let mut grid = Grid::new(new.dims, new.voxel_size, limits.grid_bytes)?;
+pub fn make_contents(new: &NewSculpture) -> Result<Contents, CommandError> {
+    let mut grid = Grid::of_size(new.dims, new.voxel_size)?;
     if new.solid {
         grid.fill_bricks(|_| Brick::FULL);
     }

@@ -130,12 +130,12 @@ impl Default for NewOptions {
 }
 
 impl NewOptions {
-    pub(super) fn check(&self, limits: &Limits) -> Result<(), InvalidOption> {
+    pub(super) fn check(&self) -> Result<(), InvalidOption> {
         require(
-            Grid::check(self.dims.into(), Vec3::ONE, limits.grid_bytes).is_ok(),
+            Grid::check_size(self.dims.into(), Vec3::ONE).is_ok(),
             "dims",
             format_args!("{:?}", self.dims),
-            "must be 1 to 4096 voxels per axis within memory.grid_mib",
+            "must be 1 to 4096 voxels per axis",
         )
     }
 

@@ -282,9 +282,9 @@ fn the_new_dialog_makes_a_sculpture_and_names_what_is_impossible() {
     assert!(voxels(&harness) > 0);
 
     key(&mut harness, Modifiers::COMMAND, Key::N);
-    harness.state_mut().ui.dialogs.new.dims = UVec3::splat(4096);
+    harness.state_mut().ui.dialogs.new.dims = UVec3::splat(4097);
     rest(&mut harness);
-    harness.get_by_label_contains("that a voxel index can name").rect();
+    harness.get_by_label_contains("1 to 4096").rect();
     harness.get_by_label("Create").click();
     rest(&mut harness);
     assert!(harness.state().ui.dialogs.new.open, "refused");

@@ -34,7 +34,7 @@ impl Document {
         match command {
             Command::New(new) => {
                 self.require_no_stroke("new")?;
-                let contents = make_contents(new, self.limits())?;
+                let contents = make_contents(new)?;
                 self.replace(contents, "new").map(|()| Applied::default())
             }
             Command::Open { .. } | Command::Save { .. } | Command::Embed { .. } => {

@@ -35,8 +35,7 @@ fn edit_region(
     region: &impl Region,
     op: EditOp,
 ) -> Result<EditStats, CommandError> {
-    let painted = PaintedWith::Edit(op);
-    target.check_colour_memory(|is_close| target.colour_growth(region, painted, is_close))?;
+    target.check_memory([region].into_iter(), PaintedWith::Edit(op))?;
     Ok(target.edit(region, op))
 }
 

@@ -55,6 +55,10 @@ fn carry_out(
         NewClay::Colour(colour) => Some(colour),
         NewClay::Base | NewClay::Inherited => None,
     };
+    target.check_bits_memory(|is_close| {
+        target.bits_growth(&remove, EditOp::Subtract, is_close)
+            + target.bits_growth(&add, EditOp::Add(colour), is_close)
+    })?;
     target.check_colour_memory(|is_close| {
         let painted = paint.iter().map(|(voxels, paint)| match paint {
             Paint::Carried(_) => target.growth_of_bricks(voxels),

@@ -8,6 +8,7 @@ use super::CommandError;
 use super::edit_target::EditTarget;
 use crate::refusal::InvalidValue;
 use crate::sculpture::Brick;
+use crate::sculpture::bits_growth::bits_growth_of;
 use crate::sculpture::clip::Clip;
 use crate::sculpture::edit::{EditOp, EditStats};
 use crate::sculpture::edit_scope::EditScope;
@@ -24,7 +25,9 @@ pub(super) fn copied(target: &EditTarget) -> Result<Clip, CommandError> {
 /// Cuts the marker's contents.
 pub(super) fn cut(target: &mut EditTarget) -> Result<(EditStats, Clip), CommandError> {
     let clip = marked(target, target.scope())?;
-    let stats = target.edit(&target.selection.marker(), EditOp::Subtract);
+    let marker = target.selection.marker();
+    target.check_bits_memory(|is_close| target.bits_growth(&marker, EditOp::Subtract, is_close))?;
+    let stats = target.edit(&marker, EditOp::Subtract);
     Ok((stats, clip))
 }
 
@@ -59,6 +62,8 @@ pub(super) fn move_marked(
     let marker = clip.bounds(to, orientation);
     Selection::check_marker(marker)?;
     let upright = clip.voxels(from, Orientation::UPRIGHT, target.grid().brick_dims());
+    target
+        .check_bits_memory(|is_close| target.bits_growth(&upright, EditOp::Subtract, is_close))?;
     let mut stats = target.edit(&upright, EditOp::Subtract);
     stats += paste(target, &clip, to, orientation)?;
     target.selection.set_marker(marker)?;
@@ -81,7 +86,7 @@ fn marked(target: &EditTarget, scope: EditScope<'_>) -> Result<Clip, CommandErro
     clip.filter(|clip| clip.voxel_count() > 0).ok_or(CommandError::NothingMarked(why))
 }
 
-/// Returns the voxels that a clip would fill; an error if memory does not suffice for their colours.
+/// Returns the voxels that a clip would fill; an error if memory does not suffice for them.
 fn pasted(
     target: &EditTarget,
     clip: &Clip,
@@ -93,6 +98,7 @@ fn pasted(
         return Err(InvalidValue::new("place to paste at", "is too far from the grid", at).into());
     }
     let voxels = clip.voxels(at, orientation, target.grid().brick_dims());
+    target.check_bits_memory(|_| bits_growth_of(target.grid(), &voxels))?;
     if target.has_colour() {
         let growth = target.growth_of_bricks(&voxels);
         target.check_colour_memory(|_| growth)?;

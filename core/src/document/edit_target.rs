@@ -12,6 +12,7 @@ use glam::UVec3;
 use super::CommandError;
 use super::changes::SubscribedChanges;
 use crate::refusal::{MemoryBudget, OverBudget};
+use crate::sculpture::bits_growth::bits_growth;
 use crate::sculpture::brick_set::BrickSet;
 use crate::sculpture::edit::{self, EditOp, EditStats};
 use crate::sculpture::edit_scope::{EditScope, ScopedRegion};
@@ -24,6 +25,9 @@ use crate::sculpture::to_paint::{PaintedWith, growth, growth_of_bricks};
 use crate::sculpture::{ColourDepth, Grid, Limits, Material, Rgb};
 use crate::tools::symmetry::{Symmetry, SymmetryTransform};
 
+use memory::BitsInUse;
+
+mod memory;
 mod swap;
 
 /// The contents that commands edit.
@@ -38,6 +42,7 @@ pub(super) struct EditTarget {
     pub revision: u64,
     recorder: StrokeRecorder,
     dirty: BrickSet,
+    bits: BitsInUse,
     /// Whether the whole sculpture has been replaced since changes were last published.
     all_dirty: bool,
 }
@@ -52,6 +57,7 @@ impl EditTarget {
             revision: 0,
             recorder: StrokeRecorder::default(),
             dirty: BrickSet::default(),
+            bits: BitsInUse::default(),
             all_dirty: true,
             contents: Arc::new(contents),
         }
@@ -130,12 +136,16 @@ impl EditTarget {
         let new = match self.mask() {
             Some(_) => None,
             None if !adds => return Ok(EditStats::default()),
-            None => {
-                let left = self.limits.grid_bytes.saturating_sub(Grid::bytes_for(grid.dims()));
-                Grid::check(grid.dims(), grid.voxel_size(), left)?;
-                Some(Box::new(grid.emptied()))
-            }
+            None => Some(Box::new(grid.emptied())),
         };
+        let (mask, stack) = (self.mask().or(new.as_deref()), self.selection.limit());
+        if let Some(mask) = mask {
+            let scope = EditScope { stack, mask: None };
+            self.check_bits_memory(|is_close| match scope.is_everywhere() {
+                true => bits_growth(mask, region, adds, is_close),
+                false => bits_growth(mask, &ScopedRegion { region, scope }, adds, is_close),
+            })?;
+        }
         let contents = Arc::make_mut(&mut self.contents);
         let recorder = self.recorder.for_mask();
         let Some(mut bits) = contents.mask.take().or(new) else { return Ok(EditStats::default()) };

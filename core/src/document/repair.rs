@@ -38,6 +38,10 @@ pub(super) fn carry_out(
         _ => Inherited::default(),
     };
     let add = EditOp::Add(None);
+    target.check_bits_memory(|is_close| {
+        target.bits_growth(&plan.remove, EditOp::Subtract, is_close)
+            + target.bits_growth(&plan.add, add, is_close)
+    })?;
     target.check_colour_memory(|is_close| {
         target.colour_growth(&plan.add, PaintedWith::Edit(add), is_close)
             + inherited.growth(&target.contents)

@@ -43,9 +43,7 @@ pub(super) fn draw(
     let regions: Vec<_> =
         images.iter().map(|image| PlacedDrawnSolid::new(drawn, target.grid(), *image)).collect();
     let painted = PaintedWith::Edit(op);
-    target.check_colour_memory(|is_close| {
-        regions.iter().map(|region| target.colour_growth(region, painted, is_close)).sum()
-    })?;
+    target.check_memory(regions.iter(), painted)?;
     let mut stats = EditStats::default();
     regions.iter().for_each(|region| stats += target.edit(region, op));
     Ok(stats)
@@ -75,8 +73,8 @@ pub(super) fn texture(
     Ok(stats)
 }
 
-/// Returns a solid and its mirror images, placed in the grid; an error if memory does not suffice for the colours that
-/// `op` paints.
+/// Returns a solid and its mirror images, placed in the grid; an error if memory does not suffice for the change
+/// `painted`.
 fn images_of(
     target: &EditTarget,
     primitive: &Primitive,
@@ -88,8 +86,6 @@ fn images_of(
         |image: SymmetryTransform| (image, primitive.image_in_grid(to_vx, voxel_size, &image));
     let images = target.images();
     let solids: Vec<_> = images.into_iter().map(placed).collect();
-    target.check_colour_memory(|is_close| {
-        solids.iter().map(|(_, region)| target.colour_growth(region, painted, is_close)).sum()
-    })?;
+    target.check_memory(solids.iter().map(|(_, region)| region), painted)?;
     Ok(solids)
 }

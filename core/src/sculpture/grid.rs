@@ -15,6 +15,7 @@ use glam::{IVec3, UVec3, Vec3};
 use thiserror::Error;
 
 use self::lend::{close, open, slot_in};
+pub(in crate::sculpture) use self::node::LEAF_BYTES;
 use self::node::TreeNode;
 use super::brick::{BRICK_EDGE_VX, Brick};
 pub(in crate::sculpture) use super::brick_set::LeafKey;
@@ -117,14 +118,19 @@ impl Grid {
 
     /// Performs the checks of [`Grid::new`] without allocating.
     pub fn check(dims: UVec3, voxel_size: Vec3, budget_bytes: u64) -> Result<(), GridError> {
+        Self::check_size(dims, voxel_size)?;
+        Self::check_memory(dims, budget_bytes)
+    }
+
+    /// Performs the checks of [`Grid::of_size`].
+    pub fn check_size(dims: UVec3, voxel_size: Vec3) -> Result<(), GridError> {
         let UVec3 { x, y, z } = dims;
         if dims.min_element() == 0 || dims.max_element() > MAX_AXIS_VX {
             return Err(GridError::Axis(x, y, z));
         }
         let is_size = voxel_size.is_finite() && voxel_size.min_element() > 0.0;
         let rule = "is not valid: it must be a positive, finite length on every axis";
-        InvalidValue::check(is_size, "voxel size", rule, voxel_size)?;
-        Self::check_memory(dims, budget_bytes)
+        Ok(InvalidValue::check(is_size, "voxel size", rule, voxel_size)?)
     }
 
     fn check_memory(dims: UVec3, budget_bytes: u64) -> Result<(), GridError> {
@@ -139,7 +145,15 @@ impl Grid {
         Ok(())
     }
 
-    /// Returns an empty grid of `dims` voxels with edges of `voxel_size`, within `budget_bytes`.
+    /// Returns an empty grid of `dims` voxels with edges of `voxel_size`, for callers that check the memory of the voxels
+    /// that they add.
+    pub fn of_size(dims: UVec3, voxel_size: Vec3) -> Result<Grid, GridError> {
+        Self::check_size(dims, voxel_size)?;
+        Ok(Self::empty(dims, voxel_size))
+    }
+
+    /// Returns an empty grid of `dims` voxels with edges of `voxel_size`, all of whose bricks may become mixed within
+    /// `budget_bytes`.
     pub fn new(dims: UVec3, voxel_size: Vec3, budget_bytes: u64) -> Result<Grid, GridError> {
         Self::check(dims, voxel_size, budget_bytes)?;
         Ok(Self::empty(dims, voxel_size))

@@ -5,6 +5,7 @@
 //! document, two rooms further up, rather than by calling this directly.
 
 pub mod bit_block;
+pub(crate) mod bits_growth;
 pub mod brick;
 pub mod brick_set;
 pub mod clip;

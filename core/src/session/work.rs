@@ -33,10 +33,7 @@ pub struct Work {
 
 #[derive(Debug)]
 pub(super) enum Task {
-    New {
-        new: NewSculpture,
-        limits: Limits,
-    },
+    New(NewSculpture),
     Orient {
         orientation: Orientation,
         contents: Arc<Contents>,
@@ -121,9 +118,7 @@ impl Work {
     pub fn run(self, progress: &dyn Progress) -> Result<FinishedWork, SessionError> {
         let began = Instant::now();
         let outcome = match self.task {
-            Task::New { new, limits } => {
-                WorkOutcome::New(Box::new(document::make_contents(&new, &limits)?))
-            }
+            Task::New(new) => WorkOutcome::New(Box::new(document::make_contents(&new)?)),
             Task::Orient { orientation, contents, limits, state } => {
                 let contents =
                     document::orient_contents(&contents, orientation, &limits, progress)?;

@@ -10,7 +10,7 @@ use sculpture_core::refusal::{MemoryBudget, OverBudget};
 use sculpture_core::sculpture::brick::local_index;
 use sculpture_core::sculpture::edit::EditOp;
 use sculpture_core::sculpture::history::Contents;
-use sculpture_core::sculpture::{ColourDepth, Grid, GridError, Material, Placement, Rgb};
+use sculpture_core::sculpture::{ColourDepth, Grid, Material, Placement, Rgb};
 use sculpture_core::tools::solid::{Primitive, Solid};
 
 use super::model::{Done, Model, Voxels};
@@ -386,17 +386,39 @@ fn refusals_name_the_reason_and_change_nothing() {
     assert_eq!((document.history().undo_count(), document.revision()), (0, 0));
 }
 
+/// The bytes that the bits take count, not the size of the box; an edit that would take more than allowed changes
+/// nothing, and edits that take less remain possible.
 #[test]
-fn a_sculpture_too_large_is_refused_before_it_is_created() {
+fn an_edit_beyond_the_memory_for_grids_is_refused() {
     let limits = Limits { grid_bytes: 1 << 20, ..Limits::default() };
-    let error = Document::new(&painted(UVec3::splat(512), ColourDepth::None, true), limits);
-    assert!(matches!(
-        error,
-        Err(CommandError::Grid(GridError::OverBudget(OverBudget {
-            budget: MemoryBudget::Grids,
-            ..
-        })))
-    ));
+    let mut document =
+        Document::new(&painted(UVec3::splat(1024), ColourDepth::None, true), limits).unwrap();
+    let (mut carved, mut refused) = (0, 0);
+    for i in 0..40u32 {
+        let place = Vec3::new((i % 4) as f32, (i / 4 % 4) as f32, (i / 16) as f32) * 250.0 + 130.0;
+        let command = ball(EditOp::Subtract, place, 80.0);
+        let before = document.contents().clone();
+        match document.apply(&command) {
+            Ok(_) => carved += 1,
+            Err(CommandError::OverBudget(over)) => {
+                assert!(over.budget == MemoryBudget::Grids && over.budget_mib == 1, "{over}");
+                assert!(*document.contents() == before);
+                refused += 1;
+            }
+            Err(error) => panic!("{error}"),
+        }
+        assert!(document.grid().heap_bytes() <= 1 << 20);
+    }
+    assert!(carved >= 5 && refused >= 5, "{carved} carved, {refused} refused");
+    // Most of the allowed memory was put to use.
+    assert!(document.grid().heap_bytes() > 800 << 10, "{}", document.grid().heap_bytes());
+    // Filling the whole takes none.
+    let carved = document.contents().clone();
+    let all = Command::Fill { area: Area::Grid, colour: None };
+    document.apply(&all).unwrap();
+    assert_eq!(document.grid().opaque_count(), 1 << 30);
+    document.apply(&Command::Undo { steps: Some(1) }).unwrap();
+    assert!(*document.contents() == carved);
 }
 
 #[test]

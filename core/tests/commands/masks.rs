@@ -404,9 +404,11 @@ fn invalid_masks_are_refused() {
         base: Rgb::STONE,
         solid: true,
     };
-    let limits = Limits { grid_bytes: 40 << 10, ..Limits::default() };
+    let limits = Limits { grid_bytes: 4 << 10, ..Limits::default() };
     let mut small = Document::new(&new, limits).unwrap();
-    let refused = run(&mut small, "mask add grid").unwrap_err().to_string();
+    assert_eq!(run(&mut small, "mask add grid").unwrap(), 64 * 64 * 64);
+    run(&mut small, "mask clear").unwrap();
+    let refused = run(&mut small, "mask add sphere at=32,32,32 size=60").unwrap_err().to_string();
     assert!(refused.contains("MiB allowed for grids"), "{refused}");
     assert!(matches!(
         run(&mut small, "mask add colour colour=#000000"),

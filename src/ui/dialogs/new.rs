@@ -53,7 +53,7 @@ impl Dialog for NewDialog {
     }
 
     fn show(&mut self, root: &Ui, shared: &mut DialogContext) {
-        let DialogContext { context, requests, .. } = shared;
+        let DialogContext { requests, .. } = shared;
         if !self.open {
             return;
         }
@@ -66,8 +66,7 @@ impl Dialog for NewDialog {
             let enter = free && ui.input(|input| input.key_pressed(Key::Enter));
             fields(ui, self);
             ui.add_space(4.0);
-            let limits = context.document.limits();
-            let refusal = VoxelGrid::check(self.dims, Vec3::ONE, limits.grid_bytes).err();
+            let refusal = VoxelGrid::check_size(self.dims, Vec3::ONE).err();
             match &refusal {
                 None => memory(ui, self),
                 Some(error) => {
@@ -154,9 +153,13 @@ fn memory(ui: &mut Ui, dialog: &NewDialog) {
     let voxels = dialog.dims.as_u64vec3().element_product();
     let colours = voxels * dialog.depth.bytes() as u64;
     let text = if colours == 0 {
-        format!("Needs {:.1} MiB of memory", mib(shape))
+        format!("Takes up to {:.0} MiB of memory as you carve", mib(shape))
     } else {
-        format!("Needs {:.1} MiB, plus up to {:.0} MiB once painted", mib(shape), mib(colours))
+        format!(
+            "Takes up to {:.0} MiB of memory as you carve, and {:.0} MiB once painted",
+            mib(shape),
+            mib(colours)
+        )
     };
     ui.label(text);
 }

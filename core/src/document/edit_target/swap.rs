@@ -72,6 +72,7 @@ impl EditTarget {
             return record;
         }
         self.revision += 1;
+        self.bits.forget();
         record.swap(Arc::make_mut(&mut self.contents), &mut self.dirty)
     }
 
@@ -83,6 +84,7 @@ impl EditTarget {
     ) -> Result<BrickRecord, Box<(BrickRecord, CommandError)>> {
         let bytes = record.reverse_bytes(&self.contents) as u64;
         let changes = !record.is_empty();
+        self.bits.forget();
         match record.try_swap(Arc::make_mut(&mut self.contents), &mut self.dirty) {
             Ok(reverse) => {
                 self.revision += u64::from(changes);
@@ -119,6 +121,7 @@ impl EditTarget {
     fn put_contents(&mut self, contents: Contents) -> Arc<Contents> {
         let old = std::mem::replace(&mut self.contents, Arc::new(contents));
         self.recorder = StrokeRecorder::default();
+        self.bits.forget();
         self.dirty.clear();
         self.all_dirty = true;
         self.revision += 1;

@@ -14,9 +14,12 @@
 //! Numbers are little-endian; bricks, words, voxels and colours are those of memory. A chunk of
 //! nothing but empty or nothing but full bricks without pages takes no bytes at all.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use glam::UVec3;
 
 use crate::format::FormatError;
+use crate::refusal::{MemoryBudget, OverBudget};
 use crate::sculpture::brick::BRICK_VOXELS;
 use crate::sculpture::grid::BrickRun;
 use crate::sculpture::material::{MAX_PAGE_BYTES, Page, PageView};
@@ -46,6 +49,30 @@ pub struct ChunkEntry {
     pub pages: u32,
     /// CRC-32 of the packed bytes.
     pub checksum: u32,
+}
+
+/// The memory for bits that is left for the chunks of a file.
+#[derive(Debug)]
+pub struct BitsRoom {
+    /// Bytes taken so far.
+    taken: AtomicU64,
+    budget_bytes: u64,
+}
+
+impl BitsRoom {
+    /// Returns the room for a grid within `budget_bytes`.
+    pub fn new(budget_bytes: u64) -> BitsRoom {
+        BitsRoom { taken: AtomicU64::new(0), budget_bytes }
+    }
+
+    /// Takes the room of so many bricks that are neither empty nor full.
+    fn take(&self, mixed: usize) -> Result<(), FormatError> {
+        let bytes = (mixed * size_of::<Brick>()) as u64;
+        let needed = self.taken.fetch_add(bytes, Ordering::Relaxed) + bytes;
+        let what = "the sculpture needs at least";
+        OverBudget::check(what, needed, MemoryBudget::Grids, self.budget_bytes)
+            .map_err(|error| FormatError::Grid(error.into()))
+    }
 }
 
 impl ChunkEntry {
@@ -129,6 +156,7 @@ pub fn unpack(
     packed: &[u8],
     bricks: &mut BrickRun,
     depth: ColourDepth,
+    room: &BitsRoom,
 ) -> Result<Vec<(usize, Page)>, FormatError> {
     if entry.packed_bytes == 0 {
         let is_full = entry.plain_bytes == 1;
@@ -149,6 +177,7 @@ pub fn unpack(
     let classes = take(&mut rest, bricks.left())?;
     let mixed = classes.iter().filter(|&&class| class & !HAS_PAGE == MIXED).count();
     let shapes = take(&mut rest, 2 * mixed)?;
+    room.take(mixed)?;
     bricks.reserve(mixed);
     let mut shapes = shapes.as_chunks::<2>().0.iter().map(|&bytes| u16::from_le_bytes(bytes));
     for class in classes {

@@ -31,7 +31,7 @@ use std::io::Write;
 use glam::{UVec3, Vec3};
 use rayon::prelude::*;
 
-use self::chunk::ChunkEntry;
+use self::chunk::{BitsRoom, ChunkEntry};
 use super::budget::check_colour_budget;
 use super::error::excerpt;
 use super::limits::TEXTS_LIMIT;
@@ -194,7 +194,7 @@ pub(crate) fn read_header(file: &[u8], limits: &Limits) -> Result<VscHeader, For
     };
     let dims = UVec3::new(number(12), number(16), number(20));
     let voxel_size = Vec3::from([24, 28, 32].map(|at| f32::from_bits(number(at))));
-    Grid::check(dims, voxel_size, limits.grid_bytes)?;
+    Grid::check_size(dims, voxel_size)?;
     let [bits, r, g, b] = number(36).to_le_bytes();
     let depth = ColourDepth::from_bits(u32::from(bits));
     let colour_depth = depth.ok_or(FormatError::Damaged("its bits of colour are unknown"))?;
@@ -296,7 +296,7 @@ pub fn read(
 ) -> Result<(Contents, Texts), FormatError> {
     let header = read_header(file, limits)?;
     let VscHeader { dims, voxel_size, colour_depth: depth, base, chunk_bricks, .. } = header;
-    let mut grid = Grid::new(dims, voxel_size, limits.grid_bytes)?;
+    let mut grid = Grid::of_size(dims, voxel_size)?;
     let mut rest = &file[header.body..];
     let chunks: Vec<(ChunkEntry, &[u8])> = header
         .entries
@@ -309,11 +309,12 @@ pub fn read(
         })
         .collect();
     progress.begin("unpacking");
+    let room = BitsRoom::new(limits.grid_bytes);
     let pages: Result<Vec<Vec<(usize, Page)>>, FormatError> =
         grid.try_fill_runs(chunk_bricks, |first, bricks| {
             go_on(progress)?;
             let (entry, packed) = &chunks[first / chunk_bricks];
-            let mut pages = chunk::unpack(entry, packed, bricks, depth)?;
+            let mut pages = chunk::unpack(entry, packed, bricks, depth, &room)?;
             pages.iter_mut().for_each(|(at, _)| *at += first);
             Ok(pages)
         });
