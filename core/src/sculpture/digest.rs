@@ -2,16 +2,20 @@
 //! edits produced them.
 //!
 //! SHA-256 (NIST FIPS 180-4), over size, colour depth and base colour, then over the hashes of runs of 4096 bricks, so
-//! that all threads share the work. A brick contributes its eight words, and its page of colours if it has one: two
+//! that all threads share the work. Of runs that are uniform, only one of each kind is hashed. A brick contributes its eight words, and its page of colours if it has one: two
 //! sculptures that look alike but are painted differently have different hashes.
 
 use std::fmt;
 use std::io::{ErrorKind, Read};
+use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
+use rustc_hash::FxHashMap;
 
+use super::brick::Brick;
 use super::contents::{Contents, SurfaceKind};
-use super::material::MAX_PAGE_BYTES;
+use super::grid::{BrickSpans, Grid};
+use super::material::{MAX_PAGE_BYTES, Material, PackedColour, PageView};
 
 /// Number of bricks in a run.
 const RUN_BRICKS: usize = 4096;
@@ -52,28 +56,11 @@ impl Digest {
         edges.iter().for_each(|edge| hasher.update(&edge.to_bits().to_le_bytes()));
         hasher.update(&[material.depth().bits() as u8]);
         hasher.update(&material.base().0);
+        let uniform_runs = Mutex::default();
         let runs: Vec<Digest> = (0..grid.brick_count())
             .into_par_iter()
             .step_by(RUN_BRICKS)
-            .map(|first| {
-                let mut hasher = Sha256::new();
-                let (mut colours, mut buffer) = (material.reader(), [0; MAX_PAGE_BYTES]);
-                for (b, brick) in grid.bricks_from(first).take(RUN_BRICKS) {
-                    match (brick.is_empty(), brick.is_full()) {
-                        (true, _) => hasher.update(&[0]),
-                        (_, true) => hasher.update(&[1]),
-                        _ => {
-                            hasher.update(&[2]);
-                            brick.words.iter().for_each(|word| hasher.update(&word.to_le_bytes()));
-                        }
-                    }
-                    if let Some(page) = colours.page(b) {
-                        hasher.update(&[3]);
-                        hasher.update(page.write_to(&mut buffer));
-                    }
-                }
-                hasher.finish()
-            })
+            .map(|first| of_run(grid, material, first, &uniform_runs))
             .collect();
         runs.iter().for_each(|run| hasher.update(&run.0));
         if let Some(mask) = mask {
@@ -85,6 +72,99 @@ impl Digest {
             SurfaceKind::Cubes => hasher.update(&[4]),
         }
         hasher.finish()
+    }
+}
+
+/// Bricks that follow each other and contribute the same bytes.
+#[derive(Clone, Copy, PartialEq)]
+struct Alike<'a> {
+    brick: &'a Brick,
+    page: Option<PageView<'a>>,
+    count: usize,
+}
+
+/// The digests of whole runs of bricks that are all empty or all full, and of one colour or unpainted.
+type UniformRuns = Mutex<FxHashMap<(bool, Option<PackedColour>), Digest>>;
+
+/// Returns the digest of the run of bricks that begins at a linear index.
+fn of_run(grid: &Grid, material: &Material, first: usize, uniform: &UniformRuns) -> Digest {
+    let (mut hasher, reader) = (Sha256::new(), material.reader());
+    let has_pages = material.page_count() > 0;
+    let mut pending: Option<Alike> = None;
+    for span in BrickSpans::new(grid, first, RUN_BRICKS) {
+        let end = span.first.x + span.len;
+        let mut b = span.first;
+        while b.x < end {
+            let (page, page_end) = if has_pages { reader.span(b) } else { (None, end) };
+            let count = page_end.min(end) - b.x;
+            let next = Alike { brick: span.brick, page, count: count as usize };
+            match &mut pending {
+                Some(pending) if pending.is_continued_by(&next) => pending.count += next.count,
+                _ => {
+                    if let Some(pending) = pending.replace(next) {
+                        pending.add_to(&mut hasher);
+                    }
+                }
+            }
+            b.x += count;
+        }
+    }
+    let Some(pending) = pending else { return hasher.finish() };
+    let colour = pending.page.map(|page| page.packed());
+    let key = (pending.brick.is_full(), colour.flatten());
+    let is_known_kind = pending.count == RUN_BRICKS && colour != Some(None);
+    // A brick that the border of the grid cuts contributes its bits.
+    let is_uniform = is_known_kind && (key.0 || pending.brick.is_empty());
+    let known = || uniform.lock().unwrap_or_else(PoisonError::into_inner);
+    if is_uniform && let Some(digest) = known().get(&key) {
+        return *digest;
+    }
+    pending.add_to(&mut hasher);
+    let digest = hasher.finish();
+    if is_uniform {
+        known().insert(key, digest);
+    }
+    digest
+}
+
+impl Alike<'_> {
+    /// Returns whether other bricks contribute the same bytes and follow these.
+    fn is_continued_by(&self, next: &Alike) -> bool {
+        let is_same = match (self.page, next.page) {
+            (None, None) => true,
+            (Some(a), Some(b)) => a.packed().is_some() && a.packed() == b.packed(),
+            _ => false,
+        };
+        is_same && self.brick == next.brick
+    }
+
+    fn add_to(&self, hasher: &mut Sha256) {
+        let kind = match (self.brick.is_empty(), self.brick.is_full()) {
+            (true, _) => 0,
+            (_, true) => 1,
+            _ => 2,
+        };
+        if kind < 2 && self.page.is_none() {
+            let bytes = [kind; 64];
+            let mut left = self.count;
+            while left > 0 {
+                let some = left.min(bytes.len());
+                hasher.update(&bytes[..some]);
+                left -= some;
+            }
+            return;
+        }
+        let mut buffer = [0; MAX_PAGE_BYTES];
+        for _ in 0..self.count {
+            hasher.update(&[kind]);
+            if kind == 2 {
+                self.brick.words.iter().for_each(|word| hasher.update(&word.to_le_bytes()));
+            }
+            if let Some(page) = &self.page {
+                hasher.update(&[3]);
+                hasher.update(page.write_to(&mut buffer));
+            }
+        }
     }
 }
 
@@ -187,10 +267,11 @@ impl Sha256 {
 #[cfg(test)]
 mod tests {
     use glam::{UVec3, Vec3};
+    use proptest::prelude::*;
     use sha2::Digest as _;
 
     use super::*;
-    use crate::sculpture::{Brick, ColourDepth, Grid, Material, Rgb};
+    use crate::sculpture::{ColourDepth, Rgb};
 
     #[test]
     fn bytes_have_the_hash_of_the_standard() {
@@ -224,5 +305,83 @@ mod tests {
         others.push(Digest::of(&Contents { surface: SurfaceKind::Cubes, ..contents.clone() }));
         let differing: std::collections::HashSet<_> = others.iter().collect();
         assert_eq!(differing.len(), 5);
+    }
+
+    /// Returns the digest, brick by brick.
+    fn naive(contents: &Contents) -> Digest {
+        let Contents { grid, material, .. } = contents;
+        let mut all = b"virtual-sculpture 1".to_vec();
+        grid.dims().to_array().iter().for_each(|edge| all.extend(edge.to_le_bytes()));
+        grid.voxel_size()
+            .to_array()
+            .iter()
+            .for_each(|edge| all.extend(edge.to_bits().to_le_bytes()));
+        all.push(material.depth().bits() as u8);
+        all.extend(material.base().0);
+        for first in (0..grid.brick_count()).step_by(RUN_BRICKS) {
+            let mut run = Vec::new();
+            for index in first..grid.brick_count().min(first + RUN_BRICKS) {
+                let b = grid.brick_coords(index);
+                let brick = grid.brick(b);
+                match (brick.is_empty(), brick.is_full()) {
+                    (true, _) => run.push(0),
+                    (_, true) => run.push(1),
+                    _ => {
+                        run.push(2);
+                        brick.words.iter().for_each(|word| run.extend(word.to_le_bytes()));
+                    }
+                }
+                if let Some(page) = material.page(b) {
+                    run.push(3);
+                    run.extend(page.write_to(&mut [0; MAX_PAGE_BYTES]));
+                }
+            }
+            all.extend(Digest::of_bytes(&run).0);
+        }
+        Digest::of_bytes(&all)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(12))]
+        #[test]
+        fn the_digest_is_that_of_all_bricks(
+            dims in prop::array::uniform3(1u32..200),
+            long in 0usize..4,
+            fills in prop::collection::vec(
+                (any::<prop::sample::Index>(), 1usize..6000, 0u32..3, 0u8..3), 0..8,
+            ),
+            depth in prop::sample::select(&ColourDepth::ALL[..]),
+        ) {
+            let mut dims = UVec3::from(dims);
+            if long < 3 {
+                dims[long] = 700;
+            }
+            let mut grid = Grid::new(dims, Vec3::ONE, 1 << 30).unwrap();
+            let mut material = Material::for_grid(&grid, depth, Rgb::STONE);
+            for (index, len, kind, colour) in fills {
+                let first = index.index(grid.brick_count());
+                for index in first..grid.brick_count().min(first + len) {
+                    let b = grid.brick_coords(index);
+                    let valid = grid.valid_mask(b);
+                    let odd = Brick { words: [0x1234_5678_9ABC_DEF0; 8] };
+                    grid.set_brick(index, [Brick::EMPTY, valid, odd.and(&valid)][kind as usize]);
+                    if colour > 0 {
+                        let mask = if colour == 1 { odd } else { Brick::FULL };
+                        material.paint(b, &mask, Rgb::new(80 * colour, 10, 200));
+                    }
+                }
+            }
+            let contents = Contents::new(grid, material);
+            prop_assert_eq!(Digest::of(&contents), naive(&contents));
+        }
+    }
+
+    #[test]
+    fn a_large_dyed_block_has_the_digest_of_all_its_bricks() {
+        let mut grid = Grid::new(UVec3::splat(520), Vec3::ONE, 1 << 30).unwrap();
+        grid.fill_bricks(|b| if b.x == 40 && b.y == 3 { Brick::EMPTY } else { Brick::FULL });
+        let material = Material::for_grid(&grid, ColourDepth::Bits8, Rgb::STONE);
+        let contents = Contents::new(grid, material);
+        assert_eq!(Digest::of(&contents), naive(&contents));
     }
 }

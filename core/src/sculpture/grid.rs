@@ -3,8 +3,9 @@
 //! Bricks lie under a tree of nodes of 8^3 children each (`node.rs`). Uniform cubes take no memory, whatever their size,
 //! and a copy of a grid shares all nodes until one of the two changes. How bricks are stored is private to
 //! [`crate::sculpture`]. All other code asks for a brick by its coordinates or index, visits the non-empty ones, copies
-//! rows of bricks along x, or looks up words of 4^3 voxels (`read.rs`, `word_reader.rs`); writers replace whole bricks,
-//! or edit leaves of 8^3 bricks (`lend.rs`, `leaf_edit.rs`).
+//! rows of bricks along x, or looks up words of 4^3 voxels (`read.rs`, `word_reader.rs`); what walks a whole grid walks
+//! the nodes, or spans of like bricks (`parts.rs`, `spans.rs`). Writers replace whole bricks, or edit leaves of 8^3
+//! bricks (`lend.rs`, `leaf_edit.rs`).
 //!
 //! Invariants: bits beyond `dims` are 0; voxel counts and kinds always match the bits. Knows no colour, no history, no
 //! tool.
@@ -19,6 +20,7 @@ pub(in crate::sculpture) use self::node::LEAF_BYTES;
 use self::node::TreeNode;
 use super::brick::{BRICK_EDGE_VX, Brick};
 pub(in crate::sculpture) use super::brick_set::LeafKey;
+use super::region::BrickBox;
 use crate::refusal::{InvalidValue, MemoryBudget, OverBudget};
 
 mod build;
@@ -26,7 +28,9 @@ mod extent;
 mod leaf_edit;
 mod lend;
 mod node;
+mod parts;
 mod read;
+mod spans;
 mod visit;
 mod walls;
 mod word_reader;
@@ -39,10 +43,17 @@ pub(in crate::sculpture) use lend::{
     ChangedLeaf, Cube, CubeEdit, LeafPlace, Lent, LentLeaf, OldLeaf,
 };
 pub(in crate::sculpture) use node::{NODE_EDGE_LOG2, Slot};
+pub(crate) use parts::{
+    GridPart, NodeView, box_mask, bricks_beside_empty, for_each_part, indices, surface_leaves,
+    uniform_in,
+};
+pub(crate) use spans::BrickSpans;
 
 pub use walls::voxels_at_walls;
 pub use word_reader::WordReader;
 
+/// The logarithm of the edge of a leaf of the tree, in bricks.
+pub(crate) const LEAF_EDGE_LOG2: u32 = NODE_EDGE_LOG2;
 /// Longest axis of a grid, in voxels.
 pub const MAX_AXIS_VX: u32 = 4096;
 /// Marks "no voxel" in an index map.
@@ -280,6 +291,16 @@ impl Grid {
     pub fn fill_bricks(&mut self, f: impl Fn(UVec3) -> Brick + Sync) {
         // Calls through a pointer once per brick: the parallel loop is compiled once, not per `f`.
         self.root = build::tree_of_bricks(self.extent, self.levels, &f);
+    }
+
+    /// Sets all bricks, in parallel, as [`Grid::fill_bricks`] does; but asks `whole` about each cube of the tree first, the
+    /// large ones before the small: a cube for which it returns whether it is full or empty is not divided further.
+    pub(crate) fn fill_cubes(
+        &mut self,
+        whole: impl Fn(BrickBox) -> Option<bool> + Sync,
+        f: impl Fn(UVec3) -> Brick + Sync,
+    ) {
+        self.root = build::tree_of_cubes(self.extent, self.levels, &whole, &f);
     }
 
     /// Lets `f` write all bricks, in runs of `run` in linear order, on all threads. `f` gets the linear index of a

@@ -15,6 +15,7 @@ use self::page::SHARED_BYTES;
 use super::brick::{BRICK_VOXELS, Brick};
 use super::colour::{ColourDepth, Rgb};
 use super::grid::{Extent, Grid, NODE_EDGE_LOG2};
+use super::region::BrickBox;
 
 mod growth;
 mod node;
@@ -137,6 +138,17 @@ impl Material {
     #[inline]
     pub fn rgb(&self, b: UVec3, local: u32) -> Rgb {
         self.page(b).map_or(self.base, |page| page.rgb(local))
+    }
+
+    /// Returns the colour of all bricks of a box, cut to the sculpture: `Some(None)` if none is painted, `None` if they
+    /// differ.
+    pub(crate) fn uniform_in(&self, bricks: BrickBox) -> Option<Option<Rgb>> {
+        Some(read::uniform_in(self, bricks)?.map(|colour| colour.rgb(self.depth)))
+    }
+
+    /// Returns whether a brick of a box, cut to the sculpture, is painted.
+    pub(crate) fn is_painted_in(&self, bricks: BrickBox) -> bool {
+        read::uniform_in(self, bricks) != Some(None)
     }
 
     /// Returns a reader of pages.

@@ -1,6 +1,6 @@
 //! Builds the whole tree of a grid from its bricks, on all threads: for loaders and generators.
 //!
-//! Takes functions that give bricks by coordinates or by runs in linear order; never holds more than the runs in work
+//! Takes functions that give bricks by coordinates or by runs in linear order, and cubes that are uniform; never holds more than the runs in work
 //! beside the finished leaves.
 
 use std::sync::Arc;
@@ -12,6 +12,7 @@ use super::extent::Extent;
 use super::node::{Child, NODE_EDGE_LOG2, Slot, TreeNode};
 use super::{unflatten, valid_mask};
 use crate::sculpture::brick::{BRICK_VOXELS, Brick, local_coords};
+use crate::sculpture::region::BrickBox;
 
 /// Returns the tree of the bricks that `f` returns for their coordinates, cut to the valid bits.
 pub(super) fn tree_of_bricks(
@@ -75,6 +76,49 @@ fn tree_of_leaves(
     Arc::new(node_of(&extent, UVec3::ZERO, levels, &mut take))
 }
 
+/// Returns the tree of the cubes that `whole` says to be full (`true`) or empty, and of the bricks that `f` returns in
+/// all others, cut to the valid bits. `whole` gets the bricks of a cube that lie within the grid.
+pub(super) fn tree_of_cubes(
+    extent: Extent,
+    levels: u32,
+    whole: &(dyn Fn(BrickBox) -> Option<bool> + Sync),
+    f: &(dyn Fn(UVec3) -> Brick + Sync),
+) -> Arc<TreeNode> {
+    Arc::new(node_of_cubes(&extent, UVec3::ZERO, levels, whole, f))
+}
+
+/// Returns the node of `level` (2 or more) from brick `low` on.
+fn node_of_cubes(
+    extent: &Extent,
+    low: UVec3,
+    level: u32,
+    whole: &(dyn Fn(BrickBox) -> Option<bool> + Sync),
+    f: &(dyn Fn(UVec3) -> Brick + Sync),
+) -> TreeNode {
+    let log2 = NODE_EDGE_LOG2 * (level - 1);
+    let inside = extent.children(low, log2);
+    let mut places = Vec::with_capacity(usize::from(inside.count()));
+    inside.for_each(|index| places.push(index));
+    let child = |&index: &u32| {
+        let low = low + (UVec3::from(local_coords(index)) << log2);
+        let max = (low + (1 << log2)).min(extent.bricks);
+        match whole(BrickBox { min: low, max }) {
+            Some(false) => Child::Empty,
+            Some(true) => Child::Full,
+            None if level == 2 => {
+                leaf_of(extent, low >> NODE_EDGE_LOG2, |b, valid| Value::of(f(b).and(valid)))
+            }
+            None => {
+                let node = node_of_cubes(extent, low, level - 1, whole, f);
+                closed(node, extent, low, log2)
+            }
+        }
+    };
+    let children: Vec<Child> = places.par_iter().map(child).collect();
+    let mut children = children.into_iter();
+    node_with(extent, low, level, &mut |_| children.next().unwrap_or(Child::Empty))
+}
+
 /// A brick, without bits where it has none or all.
 enum Value {
     Empty,
@@ -136,22 +180,35 @@ fn node_of(
     leaf: &mut dyn FnMut(UVec3) -> Child,
 ) -> TreeNode {
     let log2 = NODE_EDGE_LOG2 * (level - 1);
+    node_with(extent, low, level, &mut |low| match level {
+        2 => leaf(low >> NODE_EDGE_LOG2),
+        _ => closed(node_of(extent, low, level - 1, leaf), extent, low, log2),
+    })
+}
+
+/// Returns a node, whose cube is of `1 << log2` bricks an edge from brick `low` on, as a child.
+fn closed(node: TreeNode, extent: &Extent, low: UVec3, log2: u32) -> Child {
+    let is_full = node.full == extent.children(low, log2 - NODE_EDGE_LOG2);
+    match () {
+        () if node.occupied() == Brick::EMPTY => Child::Empty,
+        () if is_full => Child::Full,
+        () => Child::Mixed(Arc::new(node)),
+    }
+}
+
+/// Returns the node of `level` (2 or more) from brick `low` on, of the children that `child` returns for their lowest
+/// bricks, in ascending order.
+fn node_with(
+    extent: &Extent,
+    low: UVec3,
+    level: u32,
+    child: &mut dyn FnMut(UVec3) -> Child,
+) -> TreeNode {
+    let log2 = NODE_EDGE_LOG2 * (level - 1);
     let (mut mixed, mut full, mut nodes, mut voxels) = (Brick::EMPTY, Brick::EMPTY, Vec::new(), 0);
     extent.children(low, log2).for_each(|index| {
         let (slot, low) = (Slot::at(index), low + (UVec3::from(local_coords(index)) << log2));
-        let child = match level {
-            2 => leaf(low >> NODE_EDGE_LOG2),
-            _ => {
-                let node = node_of(extent, low, level - 1, leaf);
-                let is_full = node.full == extent.children(low, log2 - NODE_EDGE_LOG2);
-                match () {
-                    () if node.occupied() == Brick::EMPTY => Child::Empty,
-                    () if is_full => Child::Full,
-                    () => Child::Mixed(Arc::new(node)),
-                }
-            }
-        };
-        match child {
+        match child(low) {
             Child::Empty => {}
             Child::Full => {
                 slot.put(&mut full, true);

@@ -7,6 +7,7 @@ use glam::{IVec3, UVec3};
 
 use super::extent::Extent;
 use super::node::{NODE_EDGE, NODE_EDGE_LOG2, Slot, TreeNode};
+use super::parts::{NodeView, indices};
 use super::{BRICK_EDGE_VX, Cube, Grid, row_of, visit};
 use crate::sculpture::brick::{Brick, BrickKind, local_coords};
 use crate::sculpture::brick_set::LeafKey;
@@ -68,7 +69,7 @@ impl Grid {
     }
 
     #[inline(always)]
-    fn uniform_brick(&self, is_full: bool, b: UVec3) -> &Brick {
+    pub(super) fn uniform_brick(&self, is_full: bool, b: UVec3) -> &Brick {
         match (is_full, &self.cut) {
             (false, _) => &EMPTY,
             (true, None) => &FULL,
@@ -276,19 +277,30 @@ impl Grid {
     /// the grid is empty.
     pub fn opaque_bounds(&self) -> Option<(UVec3, UVec3)> {
         let (mut min, mut max) = (UVec3::MAX, UVec3::ZERO);
-        for (b, brick) in self.nonempty_bricks() {
-            let low = b * BRICK_EDGE_VX;
-            // Only a brick that extends beyond the box so far needs a closer look.
-            if low.cmpge(min).all() && (low + BRICK_EDGE_VX).cmple(max).all() {
-                continue;
-            }
+        add_voxels(NodeView::root(self), &mut min, &mut max);
+        (self.opaque_count() > 0).then_some((min, max))
+    }
+}
+
+/// Extends a box to the voxels below a node.
+fn add_voxels(view: NodeView, min: &mut UVec3, max: &mut UVec3) {
+    for index in indices(view.mixed().or(view.full())) {
+        let (low, high) = view.child_voxel_bounds(index);
+        // Only a cube that extends beyond the box so far needs a closer look.
+        if low.cmpge(*min).all() && high.cmple(*max).all() {
+            continue;
+        }
+        let slot = Slot::at(index);
+        if slot.is_in(view.full()) {
+            (*min, *max) = (min.min(low), max.max(high));
+        } else if let Some(child) = view.node(index) {
+            add_voxels(child, min, max);
+        } else if let Some(brick) = view.bricks().get(view.rank(index)) {
             brick.for_each(|local| {
                 let v = low + UVec3::from(local_coords(local));
-                min = min.min(v);
-                max = max.max(v + 1);
+                (*min, *max) = (min.min(v), max.max(v + 1));
             });
         }
-        (self.opaque_count() > 0).then_some((min, max))
     }
 }
 

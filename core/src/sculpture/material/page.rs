@@ -22,7 +22,7 @@ pub const MAX_PAGE_BYTES: usize = VOXELS * 3;
 pub(super) const SHARED_BYTES: usize = 2 * size_of::<usize>();
 
 /// A colour as it is stored, in the lowest bytes, the first one lowest.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Default)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug, Default)]
 pub struct PackedColour(pub(super) u32);
 
 impl PackedColour {
@@ -253,6 +253,12 @@ impl<'a> PageView<'a> {
     #[inline(always)]
     pub fn uniform(&self) -> Option<Rgb> {
         self.page.packed().map(|colour| colour.rgb(self.depth))
+    }
+
+    /// Returns the packed colour of all voxels, if they have the same.
+    #[inline(always)]
+    pub(crate) fn packed(&self) -> Option<PackedColour> {
+        self.page.packed()
     }
 
     /// Writes the packed colours of all voxels, in the order of [`crate::sculpture::brick::local_index`], to the first
