@@ -68,6 +68,10 @@ impl Surface for PlaneSide {
         (self.at - p).dot(self.normal)
     }
 
+    fn is_plane(&self) -> bool {
+        true
+    }
+
     fn coverage(&self, points: &Parallelepiped, margin: f64) -> BoxCoverage {
         let reach: f64 = points.half_edges.iter().map(|edge| edge.dot(self.normal).abs()).sum();
         coverage_of_distance(self.distance(points.middle, &[]), reach + margin)

@@ -10,6 +10,7 @@ mod frame;
 mod half_space;
 mod lathe;
 mod outline;
+mod plane_rows;
 pub mod region;
 mod ring;
 mod spec;
@@ -107,6 +108,12 @@ macro_rules! drawn_solids {
             fn coverage(&self, points: &Parallelepiped, margin: f64) -> BoxCoverage {
                 match self {
                     $(DrawnSurface::$id(surface) => surface.coverage(points, margin)),*
+                }
+            }
+
+            fn is_plane(&self) -> bool {
+                match self {
+                    $(DrawnSurface::$id(surface) => surface.is_plane()),*
                 }
             }
 

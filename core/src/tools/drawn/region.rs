@@ -7,6 +7,7 @@
 use fearless_simd::Simd;
 use glam::{DVec3, IVec3, UVec3};
 
+use super::plane_rows::{LinearDistance, PlaneRow};
 use super::spec::Surface;
 use super::{DrawnSolid, DrawnSurface, FURTHEST_VX};
 use crate::sculpture::Brick;
@@ -14,6 +15,7 @@ use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::sculpture::grid::Grid;
 use crate::sculpture::region::{BoxCoverage, Region, RowReach, VoxelBox};
 use crate::tools::parallelepiped::Parallelepiped;
+use crate::tools::solid::spans::RowSpans;
 use crate::tools::symmetry::SymmetryTransform;
 
 /// A drawn solid, or an image of it, in the voxel coordinates of one grid.
@@ -28,6 +30,8 @@ pub struct PlacedDrawnSolid {
     leaves_grid: bool,
     /// Bound on the error of distances.
     rounding: f64,
+    /// The distances from its surface, if that is a plane.
+    plane: Option<LinearDistance>,
 }
 
 impl PlacedDrawnSolid {
@@ -56,12 +60,32 @@ impl PlacedDrawnSolid {
         // Both the size of the grid and the solid, which may be far away, determine the rounding error.
         let longest = (dims * stretch).length() + surface.longest();
         let rounding = 1e-13 * longest;
-        PlacedDrawnSolid { surface, stretch, image, bounds, leaves_grid, rounding }
+        let mut placed = PlacedDrawnSolid {
+            surface,
+            stretch,
+            image,
+            bounds,
+            leaves_grid,
+            rounding,
+            plane: None,
+        };
+        if placed.surface.is_plane() {
+            let (size, error) = (grid.dims().as_ivec3(), placed.margin((dims * stretch).length()));
+            placed.plane = Some(LinearDistance::new(|p| placed.distance(p, &[]), size, error));
+        }
+        placed
     }
 
     /// Returns whether it ends, and extends more than a voxel beyond the grid.
     pub fn leaves_grid(&self) -> bool {
         self.leaves_grid
+    }
+
+    /// Returns a bound on the error of distances of points up to so far away, with much to spare.
+    fn margin(&self, furthest: f64) -> f64 {
+        // The planes and axes of an image may be as far away as a solid.
+        let largest = 4.0 * f64::from(FURTHEST_VX) * self.stretch.max_element() + furthest;
+        1e3 * self.rounding + 1e-10 * largest
     }
 
     /// Returns the distance of a point (voxel coordinates) from the surface, below 0 inside. For a solid in pieces:
@@ -136,6 +160,9 @@ pub struct DrawnRow {
     z_vx: u32,
     /// The pieces that reach the row.
     near: Vec<u32>,
+    /// The voxels of the row, if the surface is a plane; otherwise unknown.
+    spans: RowSpans,
+    has_spans: bool,
 }
 
 impl Region for PlacedDrawnSolid {
@@ -145,13 +172,25 @@ impl Region for PlacedDrawnSolid {
         self.bounds
     }
 
-    fn cut_row<S: Simd>(&self, _: S, y_vx: u32, z_vx: u32, row: &mut DrawnRow) -> RowReach {
+    #[inline(always)]
+    fn cut_row<S: Simd>(&self, simd: S, y_vx: u32, z_vx: u32, row: &mut DrawnRow) -> RowReach {
         let edge = BRICK_EDGE_VX;
         let (from, to) =
             (self.bounds.min.x as u32 / edge, (self.bounds.max.x as u32).div_ceil(edge));
+        if let Some(plane) = &self.plane {
+            let (low, end) = (IVec3::new(0, y_vx as i32, z_vx as i32), (to * edge) as i32);
+            let is_covered = |v| self.contains_voxel(v);
+            (row.y_vx, row.z_vx, row.has_spans) = (y_vx, z_vx, true);
+            match plane.cut_row(simd, low, end, &mut row.spans, &is_covered) {
+                PlaneRow::Uniform(false) => return RowReach::NONE,
+                PlaneRow::Uniform(true) => return RowReach { touched: from..to, whole: from..to },
+                PlaneRow::Spans(reach) => return reach,
+                PlaneRow::Unknown => {}
+            }
+        }
         let (low, high) =
             (UVec3::new(from * edge, y_vx, z_vx), UVec3::new(to * edge, y_vx + edge, z_vx + edge));
-        *row = DrawnRow { y_vx, z_vx, near: self.near(low, high) };
+        *row = DrawnRow { y_vx, z_vx, near: self.near(low, high), ..DrawnRow::default() };
         let mut reach = RowReach::NONE;
         let mut run = from..from;
         for x in from..to {
@@ -169,7 +208,11 @@ impl Region for PlacedDrawnSolid {
         reach
     }
 
-    fn mask<S: Simd>(&self, _: S, row: &DrawnRow, _: &RowReach, brick_x: u32) -> Brick {
+    #[inline(always)]
+    fn mask<S: Simd>(&self, simd: S, row: &DrawnRow, _: &RowReach, brick_x: u32) -> Brick {
+        if row.has_spans {
+            return row.spans.mask(simd, brick_x);
+        }
         let origin = UVec3::new(brick_x * BRICK_EDGE_VX, row.y_vx, row.z_vx);
         let mut mask = Brick::EMPTY;
         self.test_cube(origin, UVec3::ZERO, BRICK_EDGE_VX, &row.near, &mut mask);
@@ -177,14 +220,15 @@ impl Region for PlacedDrawnSolid {
     }
 
     fn coverage(&self, bounds: VoxelBox) -> BoxCoverage {
+        if let Some(coverage) = self.plane.and_then(|plane| plane.coverage(bounds)) {
+            return coverage;
+        }
         let map = |p: DVec3| self.image.origin_of(p) * self.stretch;
         let Some(points) = Parallelepiped::of_voxels(bounds, map) else {
             return BoxCoverage::None;
         };
-        // The box may be larger than the grid, and the planes and axes of an image as far away as a solid.
-        let largest = 4.0 * f64::from(FURTHEST_VX) * self.stretch.max_element()
-            + points.middle.length()
-            + points.radius();
-        self.surface.coverage(&points, 1e3 * self.rounding + 1e-10 * largest)
+        // The box may be larger than the grid.
+        let margin = self.margin(points.middle.length() + points.radius());
+        self.surface.coverage(&points, margin)
     }
 }

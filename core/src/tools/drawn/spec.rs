@@ -60,6 +60,11 @@ pub trait Surface {
     /// Returns how the solid covers the points of a box. `margin`: bound on the rounding error of points and distances.
     fn coverage(&self, points: &Parallelepiped, margin: f64) -> BoxCoverage;
 
+    /// Returns whether it is a plane: distances are linear, but for rounding.
+    fn is_plane(&self) -> bool {
+        false
+    }
+
     /// Returns the pieces that reach the box between two corners; none for a solid in one piece.
     fn pieces_near(&self, _low: DVec3, _high: DVec3) -> Vec<u32> {
         Vec::new()

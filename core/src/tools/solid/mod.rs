@@ -13,7 +13,7 @@ mod planes;
 mod quadric;
 mod shape;
 mod simd_real;
-mod spans;
+pub(super) mod spans;
 pub mod spec;
 mod sweep;
 mod swept;
