@@ -57,10 +57,7 @@ pub(super) fn piece_at(target: &EditTarget, at: UVec3) -> Result<ListedBricks, C
     let found =
         pieces(grid, PiecesOf::Solid, target.limits.grid_bytes, &()).map_err(RepairError::from)?;
     let wanted: Vec<u32> = starts.iter().filter_map(|v| found.at(v.as_ivec3())).collect();
-    let bricks = grid
-        .nonempty_bricks()
-        .map(|(b, _)| (b, found.chosen(grid.brick_index(b), &|piece| wanted.contains(&piece))));
-    Ok(ListedBricks::new(bricks.filter(|(_, brick)| !brick.is_empty()).collect()))
+    Ok(found.voxels_of(&|piece| wanted.contains(&piece)))
 }
 
 /// Returns a voxel of the surface, and its mirror images that belong to the surface.

@@ -281,7 +281,7 @@ fn islands(
     // If the largest piece floats, the pieces that stand on the bed are removed.
     let keep = if largest_stands { Keep::Standing } else { Keep::Largest };
     let repairs = vec![Repair::RemoveIslands { keep, smaller_vx: None }];
-    Ok(of_pieces(grid, &found, FaultKind::Islands, repairs, &|piece| !standing[piece as usize]))
+    Ok(of_pieces(&found, FaultKind::Islands, repairs, &|piece| !standing[piece as usize]))
 }
 
 fn cavities(
@@ -296,12 +296,11 @@ fn cavities(
         Repair::FillCavities { smaller_vx: None },
         Repair::Drain { diameter_vx, toward: Toward::Down },
     ];
-    Ok(of_pieces(grid, &found, FaultKind::Cavities, repairs, &|piece| !found.reaches_border(piece)))
+    Ok(of_pieces(&found, FaultKind::Cavities, repairs, &|piece| !found.reaches_border(piece)))
 }
 
 /// Returns the finding of faulty pieces.
 fn of_pieces(
-    grid: &Grid,
     found: &Pieces,
     kind: FaultKind,
     repairs: Vec<Repair>,
@@ -313,5 +312,5 @@ fn of_pieces(
         let bounds = VoxelBox { min: min.as_ivec3(), max: max.as_ivec3() };
         FaultLocation { voxels: piece.voxels.into(), bounds }
     });
-    places::finding(kind, all.collect(), repairs, || repair::voxels_of(grid, found, is_wrong))
+    places::finding(kind, all.collect(), repairs, || found.voxels_of(is_wrong))
 }

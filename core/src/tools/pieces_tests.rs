@@ -6,7 +6,12 @@ use proptest::prelude::*;
 use super::pieces::{PiecesError, PiecesOf, fill_holes, keep_largest, pieces};
 use crate::progress::{Progress, ProgressReport};
 use crate::refusal::{MemoryBudget, OverBudget};
-use crate::sculpture::Grid;
+use crate::sculpture::brick_set::BrickSet;
+use crate::sculpture::edit::{EditOp, edit};
+use crate::sculpture::history::Contents;
+use crate::sculpture::region::VoxelBox;
+use crate::sculpture::stroke::StrokeRecorder;
+use crate::sculpture::{Brick, Grid};
 
 const ROOM: u64 = 1 << 30;
 
@@ -185,4 +190,77 @@ fn memory_is_bounded_and_the_work_can_be_cancelled() {
     let found = pieces(&same, PiecesOf::Solid, ROOM, &()).unwrap();
     assert_eq!(found.at(IVec3::new(-1, 0, 0)), None);
     assert_eq!(found.at(UVec3::splat(40).as_ivec3()), None);
+}
+
+/// Returns a full grid without the voxels of some boxes.
+fn carved(dims: UVec3, boxes: &[([u32; 3], [u32; 3])]) -> Grid {
+    let mut contents = Contents::of_bits(Grid::new(dims, Vec3::ONE, 1 << 32).unwrap());
+    contents.grid.fill_bricks(|_| Brick::FULL);
+    let (mut recorder, mut dirty) = (StrokeRecorder::default(), BrickSet::default());
+    for (corner, size) in boxes {
+        let min = (UVec3::from(*corner) % dims).as_ivec3();
+        let cuboid = VoxelBox { min, max: min + UVec3::from(*size).as_ivec3() };
+        edit(&mut contents, &cuboid, EditOp::Subtract, &mut recorder, &mut dirty);
+    }
+    contents.grid
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(10))]
+
+    /// Sizes of several leaves and nodes, cut by the border, with cubes that are uniform.
+    #[test]
+    fn cubes_of_any_size_belong_to_pieces(
+        dims in prop::sample::select(&[
+            [100u32, 65, 70], [700, 3, 70], [7, 600, 9], [64, 64, 128], [1, 1, 1030], [520, 20, 12],
+        ][..]),
+        boxes in prop::collection::vec(
+            (prop::array::uniform3(0u32..1030), prop::array::uniform3(prop_oneof![1u32..3, 30u32..600])), 0..7,
+        ),
+        speckles in prop::collection::vec(prop::array::uniform3(0u32..1030), 0..30),
+    ) {
+        let mut grid = carved(dims.into(), &boxes);
+        for at in speckles {
+            let v = (UVec3::from(at) % grid.dims()).as_ivec3();
+            grid.set(v, !grid.get(v));
+        }
+        check(&grid, PiecesOf::Solid);
+        check(&grid, PiecesOf::Empty);
+    }
+}
+
+#[test]
+fn pieces_are_numbered_in_the_order_of_their_first_bricks() {
+    // In linear order, the speck comes before the slab, in the order of the tree behind it.
+    let dims = UVec3::new(200, 20, 20);
+    let grid = carved(
+        dims,
+        &[([0, 0, 0], [199, 20, 8]), ([199, 1, 0], [1, 19, 8]), ([0, 0, 8], [200, 20, 1])],
+    );
+    let found = pieces(&grid, PiecesOf::Solid, ROOM, &()).unwrap();
+    assert_eq!(found.list().len(), 2);
+    assert_eq!(found.at(IVec3::new(199, 0, 0)), Some(0));
+    assert_eq!(found.at(IVec3::new(0, 0, 10)), Some(1));
+}
+
+#[test]
+fn a_large_grid_with_few_cavities_is_quick() {
+    let boxes = [
+        ([300, 300, 300], [1, 1, 1]),
+        ([500, 500, 500], [100, 100, 100]),
+        ([0, 700, 9], [1, 1, 1]),
+    ];
+    let mut grid = carved(UVec3::splat(1100), &boxes);
+    let found = pieces(&grid, PiecesOf::Empty, 1 << 20, &()).unwrap();
+    let voxels: Vec<u32> = found.list().iter().map(|piece| piece.voxels).collect();
+    assert_eq!(voxels, [1, 1, 1_000_000]);
+    assert!(found.reaches_border(0) && !found.reaches_border(1) && !found.reaches_border(2));
+    assert_eq!(found.list()[2].bounds(), (UVec3::splat(500), UVec3::splat(600)));
+    let solid = pieces(&grid, PiecesOf::Solid, 1 << 20, &()).unwrap();
+    assert_eq!(solid.list().len(), 1);
+    assert_eq!(u64::from(solid.list()[0].voxels), grid.opaque_count());
+    assert_eq!(solid.at(IVec3::splat(1099)), Some(0));
+    assert_eq!(solid.at(IVec3::splat(550)), None);
+    fill_holes(&mut grid, ROOM, &()).unwrap();
+    assert_eq!(grid.opaque_count(), 1100u64.pow(3) - 1);
 }

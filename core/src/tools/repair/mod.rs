@@ -8,6 +8,4 @@ mod plan;
 pub mod thickness;
 
 pub use drain::Toward;
-pub use plan::{
-    Keep, Repair, RepairError, RepairPlan, check_memory, standing, thickness, voxels_of,
-};
+pub use plan::{Keep, Repair, RepairError, RepairPlan, check_memory, standing, thickness};

@@ -4,8 +4,7 @@
 //! From a [`Repair`] and a grid to the voxels to remove and to add; changes nothing. Knows no document. Up is y, and
 //! the print bed lies below the lowest voxel. Lengths are in voxel edges along x.
 
-use glam::{UVec3, Vec3};
-use rayon::prelude::*;
+use glam::Vec3;
 use thiserror::Error;
 
 use super::drain::{self, Toward};
@@ -142,17 +141,14 @@ impl Repair {
                 let list = found.list();
                 let is_small =
                     |piece: u32| smaller_vx.is_none_or(|n| list[piece as usize].voxels < n);
-                remove =
-                    voxels_of(grid, &found, &|piece| !stays[piece as usize] && is_small(piece));
+                remove = found.voxels_of(&|piece| !stays[piece as usize] && is_small(piece));
             }
             Repair::FillCavities { smaller_vx } => {
                 let found = pieces(grid, PiecesOf::Empty, budget_bytes, progress)?;
                 let list = found.list();
                 let is_small =
                     |piece: u32| smaller_vx.is_none_or(|n| list[piece as usize].voxels < n);
-                add = voxels_of(grid, &found, &|piece| {
-                    !found.reaches_border(piece) && is_small(piece)
-                });
+                add = found.voxels_of(&|piece| !found.reaches_border(piece) && is_small(piece));
             }
             Repair::Thicken { to_vx } => {
                 let thickness = thickness(to_vx, grid.voxel_size())?;
@@ -197,19 +193,6 @@ fn stays(solid: &Pieces, keep: Keep) -> Vec<bool> {
         stays[largest as usize] = true;
     }
     stays
-}
-
-/// Returns the voxels of the chosen pieces.
-pub fn voxels_of(
-    grid: &Grid,
-    found: &Pieces,
-    is_chosen: &(dyn Fn(u32) -> bool + Sync),
-) -> ListedBricks {
-    let bricks = (0..grid.brick_count()).into_par_iter().with_min_len(1 << 10);
-    let chosen = bricks.map(|index| (index, found.chosen(index, &|piece| is_chosen(piece))));
-    let listed = chosen.filter(|(_, mask)| !mask.is_empty());
-    let listed = listed.map(|(index, mask)| (grid.brick_coords(index), mask));
-    ListedBricks::new(listed.collect::<Vec<(UVec3, _)>>())
 }
 
 #[cfg(test)]

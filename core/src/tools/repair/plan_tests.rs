@@ -1,6 +1,6 @@
 //! Tests repaired sculptures: which voxels are removed, which are added, and that nothing is left to repair.
 
-use glam::{IVec3, Vec3};
+use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
 
 use super::*;
