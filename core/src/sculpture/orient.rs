@@ -1,10 +1,11 @@
 //! Rotates and mirrors whole sculptures by an [`Orientation`].
 //!
-//! Takes contents and gives new ones, with sizes, voxels and colours in the new orientation. Works brick by brick: the
-//! source of each voxel within a brick is the same for all bricks, so one table of 512 entries serves them all. Memory
-//! is checked before it is allocated. Knows no document.
+//! Takes contents and gives new ones, with sizes, voxels and colours in the new orientation. Cubes of the grid's tree
+//! whose source is uniform are turned as a whole, all others brick by brick: the source of each voxel within a brick is
+//! the same for all bricks, so one table of 512 entries serves them all. Memory is checked before it is allocated. Knows
+//! no document.
 
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::{IVec3, UVec3, Vec3};
 use rayon::prelude::*;
@@ -12,11 +13,17 @@ use thiserror::Error;
 
 use super::brick::{BRICK_EDGE_VX, BRICK_VOXELS, Brick, BrickKind, local_coords, local_index};
 use super::contents::Contents;
+use super::grid::{LEAF_EDGE_LOG2, uniform_in};
 use super::material::{MAX_PAGE_BYTES, Page, PageView};
 use super::orientation::Orientation;
+use super::region::BrickBox;
 use super::{Grid, GridError, Limits, Material};
 use crate::progress::Progress;
 use crate::refusal::{MemoryBudget, OverBudget};
+
+/// Bricks in a leaf of the tree, and leaves between two reports of progress.
+const LEAF_BRICKS: usize = 1 << (3 * LEAF_EDGE_LOG2);
+const LEAVES_PER_REPORT: usize = 64;
 
 /// Why a sculpture cannot be reoriented.
 #[derive(Debug, Error)]
@@ -94,32 +101,32 @@ impl<'a> Reorientation<'a> {
         let mut turned = Grid::new(self.dims(), voxel_size, limits.grid_bytes)?;
 
         progress.begin("rotating the voxels");
-        let (layers, begun) = (turned.brick_dims().z, AtomicU32::new(0));
-        turned.fill_bricks(|b| {
+        let (leaves, begun) = (turned.brick_count().div_ceil(LEAF_BRICKS), AtomicUsize::new(0));
+        let whole = |bricks: BrickBox| {
             if progress.is_cancelled() {
-                return Brick::EMPTY;
+                return Some(false);
             }
-            // Once per layer, when it is begun: layers are filled in parallel.
-            if b.x == 0 && b.y == 0 {
+            let is_full = uniform_in(grid, self.source_box(bricks));
+            if is_full.is_none() && (bricks.max - bricks.min).max_element() <= 1 << LEAF_EDGE_LOG2 {
                 let before = begun.fetch_add(1, Ordering::Relaxed);
-                progress.advance(before as f32 / layers as f32);
+                if before % LEAVES_PER_REPORT == 0 {
+                    progress.advance((before as f32 / leaves as f32).min(1.0));
+                }
             }
-            self.brick(b)
-        });
+            is_full
+        };
+        turned.fill_cubes(whole, |b| self.brick(b));
         progress.end();
         if material.page_count() > 0 {
             progress.begin("rotating the colours");
-            let per_layer = turned.brick_count() / layers as usize;
-            for layer in 0..layers as usize {
+            let leaves = self.painted_leaves();
+            for (at, portion) in leaves.chunks(LEAVES_PER_REPORT).enumerate() {
                 if progress.is_cancelled() {
                     break;
                 }
-                progress.advance(layer as f32 / layers as f32);
-                let bricks = (layer * per_layer..(layer + 1) * per_layer).into_par_iter();
-                let page = |at: usize| {
-                    let b = turned.brick_coords(at);
-                    self.page(b).map(|page| (b, page))
-                };
+                progress.advance((at * LEAVES_PER_REPORT) as f32 / leaves.len() as f32);
+                let bricks = portion.par_iter().flat_map_iter(|leaf| bricks_of(*leaf));
+                let page = |b: UVec3| self.page(b).map(|page| (b, page));
                 colours.set_pages(bricks.filter_map(page).collect());
             }
             progress.end();
@@ -136,6 +143,46 @@ impl<'a> Reorientation<'a> {
                 Ok(laid)
             }
         }
+    }
+
+    /// Returns the bricks that hold the source of all voxels of a box of new bricks.
+    fn source_box(&self, bricks: BrickBox) -> BrickBox {
+        let dims = self.from.grid.brick_dims();
+        let source = |b: UVec3| self.orientation.source(b.as_ivec3(), dims);
+        let (a, b) = (source(bricks.min), source(bricks.max - 1));
+        // Whether bricks overlap two on an axis.
+        let numbers = [0b1010_1010, 0b1100_1100, 0b1111_0000];
+        let before = numbers.map(|numbers| i32::from(self.overlapped & numbers != 0));
+        let min = (a.min(b) - IVec3::from(before)).max(IVec3::ZERO);
+        BrickBox { min: min.as_uvec3(), max: (a.max(b) + 1).as_uvec3() }
+    }
+
+    /// Returns the bricks of the new leaves in which colours may be painted, leaf by leaf.
+    fn painted_leaves(&self) -> Vec<BrickBox> {
+        let max = self.orientation.size(self.from.grid.brick_dims());
+        let mut leaves = Vec::new();
+        self.add_painted_leaves(BrickBox { min: UVec3::ZERO, max }, &mut leaves);
+        leaves
+    }
+
+    /// Adds the painted leaves of a box that begins at the corner of one, by halves.
+    fn add_painted_leaves(&self, bricks: BrickBox, leaves: &mut Vec<BrickBox>) {
+        let BrickBox { min, max } = bricks;
+        if !self.from.material.is_painted_in(self.source_box(bricks)) {
+            return;
+        }
+        let size = (max - min).to_array();
+        let axis = (0..3).max_by_key(|axis| size[*axis]).unwrap_or(0);
+        let edge = 1 << LEAF_EDGE_LOG2;
+        if size[axis] <= edge {
+            leaves.push(bricks);
+            return;
+        }
+        let middle = min[axis] + (size[axis].div_ceil(edge) / 2) * edge;
+        let (mut low, mut high) = (bricks, bricks);
+        (low.max[axis], high.min[axis]) = (middle, middle);
+        self.add_painted_leaves(low, leaves);
+        self.add_painted_leaves(high, leaves);
     }
 
     /// Returns the bricks that the new brick at `b` overlaps, by their numbers; `None` beyond the border.
@@ -228,14 +275,11 @@ impl<'a> Reorientation<'a> {
         if painted == 0 || colours.bytes_for_pages(most, u64::MAX) <= budget {
             return Ok(());
         }
-        let brick_dims = self.orientation.size(self.from.grid.brick_dims());
-        let coords = |at: usize| {
-            let (at, UVec3 { x, y, .. }) = (at as u32, brick_dims);
-            UVec3::new(at % x, at / x % y, at / (x * y))
-        };
-        let bytes = |at: usize| self.page(coords(at)).map(|page| (1, page.heap_bytes() as u64));
+        let bytes = |b: UVec3| self.page(b).map(|page| (1, page.heap_bytes() as u64));
         let add = |(a, b): (u64, u64), (c, d): (u64, u64)| (a + c, b + d);
-        let (pages, bytes) = (0..bricks).into_par_iter().filter_map(bytes).reduce(|| (0, 0), add);
+        let leaves = self.painted_leaves();
+        let all = leaves.par_iter().flat_map_iter(|leaf| bricks_of(*leaf));
+        let (pages, bytes) = all.filter_map(bytes).reduce(|| (0, 0), add);
         let needed = colours.bytes_for_pages(pages, bytes);
         if needed <= budget {
             return Ok(());
@@ -244,11 +288,23 @@ impl<'a> Reorientation<'a> {
     }
 }
 
+/// Returns the bricks of a box.
+fn bricks_of(bricks: BrickBox) -> impl Iterator<Item = UVec3> {
+    let BrickBox { min, max } = bricks;
+    (min.z..max.z).flat_map(move |z| {
+        (min.y..max.y).flat_map(move |y| (min.x..max.x).map(move |x| UVec3::new(x, y, z)))
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::sculpture::brick_set::BrickSet;
+    use crate::sculpture::edit::{EditOp, edit};
+    use crate::sculpture::region::VoxelBox;
+    use crate::sculpture::stroke::StrokeRecorder;
     use crate::sculpture::{ColourDepth, Rgb};
 
     /// Returns voxels and colours scattered by a simple rule, with some colours where there is no voxel.
@@ -312,6 +368,56 @@ mod tests {
                     prop_assert_eq!(&back.material, &from.material);
                 }
             }
+        }
+    }
+
+    /// Returns a grid with large uniform cubes: full, but for some boxes.
+    fn carved(dims: UVec3, boxes: &[([u32; 3], u32)]) -> Grid {
+        let mut contents = Contents::of_bits(Grid::new(dims, Vec3::ONE, 1 << 32).unwrap());
+        contents.grid.fill_bricks(|_| Brick::FULL);
+        let (mut recorder, mut dirty) = (StrokeRecorder::default(), BrickSet::default());
+        for (corner, edge) in boxes {
+            let min = (UVec3::from(*corner) % dims).as_ivec3();
+            let cube = VoxelBox { min, max: min + *edge as i32 };
+            edit(&mut contents, &cube, EditOp::Subtract, &mut recorder, &mut dirty);
+        }
+        contents.grid
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(8))]
+        /// Compares all bricks, in sizes of several leaves and nodes.
+        #[test]
+        fn large_uniform_cubes_turn_as_their_bricks_do(
+            dims in prop::sample::select(&[
+                [700u32, 3, 70], [64, 640, 8], [128, 130, 200], [1, 1, 1030], [520, 96, 64], [513, 70, 9],
+            ][..]),
+            boxes in prop::collection::vec((prop::array::uniform3(0u32..1100), 1u32..90), 0..5),
+            painted in prop::collection::vec((prop::array::uniform3(0u32..200), 1u8..3), 0..4),
+            orientation in 0usize..48,
+        ) {
+            let dims = UVec3::from(dims);
+            let grid = carved(dims, &boxes);
+            let mut material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::STONE);
+            for (corner, colour) in painted {
+                let leaf = UVec3::from(corner) % grid.brick_dims() / 8 * 8;
+                let end = (leaf + 8).min(grid.brick_dims());
+                let inside = bricks_of(BrickBox { min: leaf, max: end });
+                let mask = if colour == 1 { Brick::FULL } else { Brick { words: [0xFF; 8] } };
+                inside.for_each(|b| material.paint(b, &mask, Rgb::new(90 * colour, 1, 2)));
+            }
+            let from = Contents::new(grid, material);
+            let orientation = Orientation::all().nth(orientation).unwrap();
+            let reorientation = Reorientation::new(&from, orientation);
+            let turned = reorientation.run(&Limits::default(), &()).unwrap();
+            let mut counted = turned.grid.emptied();
+            counted.fill_bricks(|b| reorientation.brick(b));
+            prop_assert_eq!(&counted, &turned.grid);
+            prop_assert_eq!(turned.grid.opaque_count(), from.grid.opaque_count());
+            let mut colours = Material::new(ColourDepth::Bits24, Rgb::STONE, turned.grid.dims());
+            let all = BrickBox { min: UVec3::ZERO, max: turned.grid.brick_dims() };
+            colours.set_pages(bricks_of(all).filter_map(|b| Some((b, reorientation.page(b)?))).collect());
+            prop_assert_eq!(&colours, &turned.material);
         }
     }
 
