@@ -9,8 +9,8 @@ use super::CommandError;
 use super::edit_target::EditTarget;
 use crate::command::PatchRule;
 use crate::refusal::InvalidValue;
-use crate::sculpture::Rgb;
 use crate::sculpture::region::ListedBricks;
+use crate::sculpture::{Grid, Rgb};
 use crate::tools::flood;
 use crate::tools::mask::{self, MAX_REACH_VX};
 use crate::tools::pieces::{PiecesOf, pieces};
@@ -21,7 +21,7 @@ pub(super) fn voxels_of_colour(
     target: &EditTarget,
     colour: Rgb,
     tolerance: f32,
-) -> Result<ListedBricks, CommandError> {
+) -> Result<Grid, CommandError> {
     InvalidValue::check_share("tolerance", tolerance)?;
     target.require_colours()?;
     Ok(flood::of_colour(&target.contents, colour, tolerance))

@@ -10,6 +10,7 @@ use crate::command::{Area, MaskArea, MaskChange};
 use crate::refusal::InvalidValue;
 use crate::sculpture::edit::EditStats;
 use crate::sculpture::edit_scope::{EditScope, ScopedRegion};
+use crate::sculpture::grid_region::GridRegion;
 use crate::sculpture::region::Everywhere;
 use crate::tools::drawn::region::PlacedDrawnSolid;
 use crate::tools::mask::{self, MAX_GROWTH_VX, MAX_REACH_VX};
@@ -61,7 +62,7 @@ fn invert_mask(target: &mut EditTarget) -> Result<EditStats, CommandError> {
     };
     let scope = EditScope { stack: None, mask: Some(&before) };
     let mut stats = target.edit_mask(&ScopedRegion { region: &Everywhere, scope }, true)?;
-    stats += target.edit_mask(&mask::listed(&before), false)?;
+    stats += target.edit_mask(&GridRegion(&before), false)?;
     Ok(stats)
 }
 
@@ -97,7 +98,7 @@ fn put_in_mask(
         }
         MaskArea::Colour { colour, tolerance } => {
             let voxels = lookup::voxels_of_colour(target, *colour, *tolerance)?;
-            stats += target.edit_mask(&voxels, adds)?;
+            stats += target.edit_mask(&GridRegion(&voxels), adds)?;
         }
         MaskArea::Cavities { reach_vx, depth_vx } => {
             let rule = "within which cavities are looked for must be 1 to 4 voxels";

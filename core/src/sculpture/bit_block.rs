@@ -9,8 +9,9 @@ use std::ops::Range;
 use glam::{IVec3, UVec3};
 use rayon::prelude::*;
 
-use super::brick::{BRICK_EDGE_VX, Brick, BrickKind};
-use super::grid::Grid;
+use super::brick::{BRICK_EDGE_VX, Brick};
+use super::grid::{Grid, GridPart, for_each_part};
+use super::region::BrickBox;
 
 /// Existence bits of a box whose lower x is a multiple of eight.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -40,12 +41,37 @@ impl BitBlock {
     /// Returns the voxels of `grid` from `min` (inclusive) to `max` (exclusive), rounded outwards to brick borders.
     pub fn of_grid(grid: &Grid, min: IVec3, max: IVec3) -> BitBlock {
         let mut block = BitBlock::empty(min, max);
-        block.for_each_brick(grid.brick_dims(), |block, b| {
-            if grid.brick_kind(grid.brick_index(b)) != BrickKind::Empty {
-                block.put_brick(b.as_ivec3(), grid.brick(b));
+        let edge = BRICK_EDGE_VX as i32;
+        let first = (block.origin / edge).max(IVec3::ZERO).as_uvec3();
+        let end = (block.origin + block.size.as_ivec3()) / edge;
+        let within = BrickBox { min: first, max: end.max(IVec3::ZERO).as_uvec3() };
+        for_each_part(grid, within, &mut |part| match part {
+            GridPart::Uniform { is_full: false, .. } => {}
+            GridPart::Uniform { bricks, .. } => {
+                let end = (bricks.max * BRICK_EDGE_VX).min(grid.dims()).as_ivec3();
+                block.fill_box((bricks.min * BRICK_EDGE_VX).as_ivec3(), end);
             }
+            GridPart::Mixed(b, brick) => block.put_brick(b.as_ivec3(), brick),
         });
         block
+    }
+
+    /// Sets the voxels of a box, which must lie within the block and not be empty.
+    fn fill_box(&mut self, min: IVec3, max: IVec3) {
+        let (low, end) = ((min - self.origin).as_uvec3(), (max - self.origin).as_uvec3());
+        let words = (low.x / 64) as usize..end.x.div_ceil(64) as usize;
+        let (first, last) = (u64::MAX << (low.x % 64), u64::MAX >> ((64 - end.x % 64) % 64));
+        for z in low.z..end.z {
+            for y in low.y..end.y {
+                let start = (y + z * self.size.y) as usize * self.words_per_row;
+                let row = &mut self.words[start + words.start..start + words.end];
+                let last_word = row.len() - 1;
+                for (i, bits) in row.iter_mut().enumerate() {
+                    let low = if i == 0 { first } else { u64::MAX };
+                    *bits |= low & if i == last_word { last } else { u64::MAX };
+                }
+            }
+        }
     }
 
     /// Returns a block of the same place and size whose rows `f` computes. `f` gets the y and z of each row, counted
@@ -260,14 +286,26 @@ impl BitBlock {
     /// Returns the non-empty bricks of the block that lie in a grid of `brick_dims` bricks: coordinates and masks, x
     /// fastest, then y, then z.
     pub fn bricks(&self, brick_dims: UVec3) -> Vec<(UVec3, Brick)> {
-        let mut bricks = Vec::new();
-        let mut probe = self.clone_shape();
-        probe.for_each_brick(brick_dims, |_, b| {
-            let mask = self.brick(b);
-            if !mask.is_empty() {
-                bricks.push((b, mask));
+        let edge = BRICK_EDGE_VX as i32;
+        let first = (self.origin / edge).max(IVec3::ZERO);
+        let end = ((self.origin + self.size.as_ivec3()) / edge).min(brick_dims.as_ivec3());
+        let (mut bricks, mut any) = (Vec::new(), vec![0u64; self.words_per_row]);
+        for (z, y) in (first.z..end.z).flat_map(|z| (first.y..end.y).map(move |y| (z, y))) {
+            // All rows of the row of bricks together: where they have no voxel, no brick has one.
+            any.fill(0);
+            let low = IVec3::new(0, y, z) * edge - self.origin;
+            for (z, y) in (0..edge).flat_map(|z| (0..edge).map(move |y| (z, y))) {
+                let row = self.row(low.y + y, low.z + z).unwrap_or_default();
+                any.iter_mut().zip(row).for_each(|(any, bits)| *any |= bits);
             }
-        });
+            for x in first.x..end.x {
+                let at = (x * edge - self.origin.x) as usize;
+                if any[at / 64] >> (at % 64) & 0xFF != 0 {
+                    let b = IVec3::new(x, y, z).as_uvec3();
+                    bricks.push((b, self.brick(b)));
+                }
+            }
+        }
         bricks
     }
 
@@ -294,24 +332,6 @@ impl BitBlock {
             for y in 0..8usize {
                 let row = local.y as usize + y + (local.z as usize + z) * self.size.y as usize;
                 self.words[row * self.words_per_row + word] |= (slice >> (8 * y) & 0xFF) << shift;
-            }
-        }
-    }
-
-    fn clone_shape(&self) -> BitBlock {
-        BitBlock { words: Vec::new(), ..*self }
-    }
-
-    /// Calls `f` for every brick of the block that lies in a grid of `brick_dims` bricks.
-    fn for_each_brick(&mut self, brick_dims: UVec3, mut f: impl FnMut(&mut BitBlock, UVec3)) {
-        let edge = BRICK_EDGE_VX as i32;
-        let first = (self.origin / edge).max(IVec3::ZERO);
-        let end = ((self.origin + self.size.as_ivec3()) / edge).min(brick_dims.as_ivec3());
-        for z in first.z..end.z {
-            for y in first.y..end.y {
-                for x in first.x..end.x {
-                    f(self, IVec3::new(x, y, z).as_uvec3());
-                }
             }
         }
     }

@@ -8,7 +8,7 @@ use fearless_simd::Simd;
 use glam::{IVec3, UVec3};
 
 use super::brick::{BRICK_EDGE_VX, Brick, BrickKind};
-use super::grid::Grid;
+use super::grid::{Grid, uniform_in};
 use super::region::{BoxCoverage, BoxRow, BrickBox, Region, RowReach, VoxelBox};
 use super::selection::BoxStack;
 
@@ -119,26 +119,13 @@ impl<R: Region> Region for ScopedRegion<'_, R> {
 
 /// Returns how a mask covers the voxels of `bounds` that lie within the grid, as the kinds of its bricks tell.
 fn coverage_of_mask(mask: &Grid, bounds: VoxelBox) -> BoxCoverage {
-    let Some(BrickBox { min, max }) = BrickBox::around(&bounds, mask) else {
+    let Some(bricks) = BrickBox::around(&bounds, mask) else {
         return BoxCoverage::None;
     };
-    if mask.opaque_count() == 0 {
-        return BoxCoverage::None;
-    }
-    let of_brick = |b: UVec3| match mask.brick_kind(mask.brick_index(b)) {
-        BrickKind::Empty => BoxCoverage::None,
-        BrickKind::Full => BoxCoverage::All,
-        // At the border.
-        BrickKind::Mixed if *mask.brick(b) == mask.valid_mask(b) => BoxCoverage::All,
-        BrickKind::Mixed => BoxCoverage::Part,
-    };
-    let first = of_brick(min);
-    let mut bricks = (min.z..max.z).flat_map(|z| {
-        (min.y..max.y).flat_map(move |y| (min.x..max.x).map(move |x| UVec3::new(x, y, z)))
-    });
-    match first != BoxCoverage::Part && bricks.all(|b| of_brick(b) == first) {
-        true => first,
-        false => BoxCoverage::Part,
+    match uniform_in(mask, bricks) {
+        Some(false) => BoxCoverage::None,
+        Some(true) => BoxCoverage::All,
+        None => BoxCoverage::Part,
     }
 }
 

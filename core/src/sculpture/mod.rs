@@ -17,6 +17,7 @@ pub mod edit;
 pub mod edit_scope;
 mod edit_stats;
 pub mod grid;
+pub mod grid_region;
 pub mod history;
 pub mod index_set;
 pub mod inherit;

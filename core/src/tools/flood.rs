@@ -4,14 +4,13 @@
 //! wherever the surface is. Takes the contents and the seed voxels; gives the voxels of their patches. Visits no brick
 //! that the patches do not reach. Changes nothing.
 
-use std::collections::HashMap;
-
 use glam::{IVec3, UVec3};
-use rayon::prelude::*;
+use rustc_hash::FxHashMap;
 
 use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, BrickKind, local_coords};
+use crate::sculpture::grid::uniform_in;
 use crate::sculpture::history::Contents;
-use crate::sculpture::region::ListedBricks;
+use crate::sculpture::region::{BrickBox, ListedBricks};
 use crate::sculpture::{Grid, Rgb};
 
 /// The voxels of a brick as slices along z, each with bit x + 8 y.
@@ -51,9 +50,14 @@ fn is_alike(Rgb(a): Rgb, Rgb(b): Rgb, tolerance: f32) -> bool {
 }
 
 /// Returns all existing voxels of a colour, to within `tolerance` of the range of each channel.
-pub(crate) fn of_colour(contents: &Contents, colour: Rgb, tolerance: f32) -> ListedBricks {
+pub(crate) fn of_colour(contents: &Contents, colour: Rgb, tolerance: f32) -> Grid {
     let Contents { grid, material, .. } = contents;
     let base = is_alike(colour, material.base(), tolerance);
+    let whole = |bricks: BrickBox| {
+        let colour_of_all = material.uniform_in(bricks)?;
+        let is_meant = colour_of_all.map_or(base, |own| is_alike(colour, own, tolerance));
+        if is_meant { uniform_in(grid, bricks) } else { Some(false) }
+    };
     let of_brick = |b: UVec3| {
         let mut alike = Brick::EMPTY;
         let voxels = grid.brick(b);
@@ -68,36 +72,39 @@ pub(crate) fn of_colour(contents: &Contents, colour: Rgb, tolerance: f32) -> Lis
                 alike.set(x, y, z, is_alike(colour, page.rgb(local), tolerance));
             }),
         }
-        (!alike.is_empty()).then_some((b, alike))
+        alike
     };
-    let bricks: Vec<UVec3> = grid.nonempty_bricks().map(|(b, _)| b).collect();
-    ListedBricks::new(bricks.into_par_iter().filter_map(of_brick).collect())
+    let mut found = grid.emptied();
+    found.fill_cubes(whole, of_brick);
+    found
 }
 
 /// Returns the voxels that are face-connected to `start` within the voxels that `may` returns for each brick.
 pub(super) fn patch_by(grid: &Grid, start: UVec3, may: &dyn Fn(UVec3) -> Slices) -> ListedBricks {
     let dims = grid.brick_dims().as_ivec3();
-    let mut reached: HashMap<UVec3, Reached> = HashMap::new();
+    let mut reached: FxHashMap<UVec3, Reached> = FxHashMap::default();
     let mut open = Vec::new();
-    let pass_on =
-        |reached: &mut HashMap<UVec3, Reached>, open: &mut Vec<UVec3>, b: IVec3, seeds: Slices| {
-            if b.cmplt(IVec3::ZERO).any() || b.cmpge(dims).any() || seeds == [0; 8] {
-                return;
-            }
-            let b = b.as_uvec3();
-            let brick = reached.entry(b).or_insert_with(|| Reached {
-                may: may(b),
-                filled: [0; 8],
-                pending: [0; 8],
-            });
-            let was_open = brick.pending != [0; 8];
-            for (z, seeds) in seeds.into_iter().enumerate() {
-                brick.pending[z] |= seeds & brick.may[z] & !brick.filled[z];
-            }
-            if !was_open && brick.pending != [0; 8] {
-                open.push(b);
-            }
-        };
+    let pass_on = |reached: &mut FxHashMap<UVec3, Reached>,
+                   open: &mut Vec<UVec3>,
+                   b: IVec3,
+                   seeds: Slices| {
+        if b.cmplt(IVec3::ZERO).any() || b.cmpge(dims).any() || seeds == [0; 8] {
+            return;
+        }
+        let b = b.as_uvec3();
+        let brick = reached.entry(b).or_insert_with(|| Reached {
+            may: may(b),
+            filled: [0; 8],
+            pending: [0; 8],
+        });
+        let was_open = brick.pending != [0; 8];
+        for (z, seeds) in seeds.into_iter().enumerate() {
+            brick.pending[z] |= seeds & brick.may[z] & !brick.filled[z];
+        }
+        if !was_open && brick.pending != [0; 8] {
+            open.push(b);
+        }
+    };
     let mut first = [0; 8];
     let local = start % BRICK_EDGE_VX;
     first[local.z as usize] = 1 << (local.x + 8 * local.y);

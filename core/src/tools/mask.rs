@@ -2,13 +2,15 @@
 //!
 //! From grids to lists of voxels. Changes nothing; knows no document.
 
-use glam::{IVec3, UVec3, Vec3};
+use glam::{IVec3, UVec2, UVec3, Vec3};
 use rayon::prelude::*;
 
 use super::flood::{self, Slices};
+use super::tiles::{self, TileRule};
 use crate::sculpture::Grid;
 use crate::sculpture::bit_block::BitBlock;
 use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, local_coords};
+use crate::sculpture::grid::{LEAF_EDGE_LOG2, bricks_beside_empty, indices, surface_leaves};
 use crate::sculpture::region::{ListedBricks, Region, VoxelBox};
 use crate::tools::brush::kernel::filter;
 
@@ -25,55 +27,73 @@ const CAVITY_SHARE: f32 = 0.06;
 
 /// Returns the voxels that `mask` gains when it grows by `by` voxels.
 pub fn grown(mask: &Grid, by: u32) -> ListedBricks {
-    let Some(bounds) = bounds_of(mask) else { return ListedBricks::default() };
-    let reach = IVec3::splat(by as i32);
-    let bits = BitBlock::of_grid(mask, bounds.min - reach, bounds.max + reach);
-    let mut added = spread(bits.clone(), by).zip(&bits, |all, old| all & !old);
-    let inside = VoxelBox::of_grid(mask);
-    added.keep_box(inside.min, inside.max);
-    ListedBricks::new(added.bricks(mask.brick_dims()))
+    let tiles = tiles::tiles(mask, &rule(by, Some(true)));
+    let [added] = tiles::in_tiles(mask, &tiles, |tile| {
+        let VoxelBox { min, max } = tiles::widened(tile, by);
+        let bits = BitBlock::of_grid(mask, min, max);
+        let mut may = filled(&bits);
+        may.keep_box(min, max);
+        let mut added = spread(bits.clone(), &may, by).zip(&bits, |all, old| all & !old);
+        added.keep_box(tile.min, tile.max);
+        [added.bricks(mask.brick_dims())]
+    });
+    added
 }
 
 /// Returns the voxels that `mask` loses when it shrinks by `by` voxels. It does not shrink at the grid's border.
 pub fn shrunk(mask: &Grid, by: u32) -> ListedBricks {
-    let Some(bounds) = bounds_of(mask) else { return ListedBricks::default() };
-    let (min, max) = (bounds.min - 1, bounds.max + 1);
+    let tiles = tiles::tiles(mask, &rule(by, Some(false)));
     let inside = VoxelBox::of_grid(mask);
-    let mut bits = BitBlock::of_grid(mask, min, max);
-    let mut may = filled(&bits);
-    let beyond = {
+    let [removed] = tiles::in_tiles(mask, &tiles, |tile| {
+        let around = tiles::widened(tile, by);
+        let VoxelBox { min, max } = around;
+        let mut bits = BitBlock::of_grid(mask, min - 1, max + 1);
+        let mut may = filled(&bits);
         may.keep_box(inside.min, inside.max);
-        filled(&bits).zip(&may, |all, inside| all & !inside)
-    };
-    bits = bits.zip(&beyond, |bits, beyond| bits | beyond);
-    let start = bits.clone();
-    // In the reverse order of growing.
-    for round in (0..by).rev() {
-        let removed = filter::erosion(&bits, &may, 27 - ROUNDS[round as usize % 2]);
-        bits = bits.zip(&removed, |bits, removed| bits & !removed);
-    }
-    ListedBricks::new(start.zip(&bits, |old, left| old & !left).bricks(mask.brick_dims()))
+        bits = bits.zip(&may, |bits, inside| bits | !inside);
+        may.keep_box(min, max);
+        let start = bits.clone();
+        // In the reverse order of growing.
+        for round in (0..by).rev() {
+            let removed = filter::erosion(&bits, &may, 27 - ROUNDS[round as usize % 2]);
+            bits = bits.zip(&removed, |bits, removed| bits & !removed);
+        }
+        let mut removed = start.zip(&bits, |old, left| old & !left);
+        removed.keep_box(tile.min, tile.max);
+        [removed.bricks(mask.brick_dims())]
+    });
+    removed
 }
 
 /// Returns the voxels that `mask` gains and loses when its outline is smoothed by a majority filter over the cube of
 /// `radius_vx` around each voxel. Beyond the grid the mask is continued from the border, so that the border is no
 /// outline.
 pub fn evened(mask: &Grid, radius_vx: u32) -> (ListedBricks, ListedBricks) {
-    let Some(bounds) = bounds_of(mask) else { return Default::default() };
-    let reach = IVec3::splat(radius_vx as i32);
-    let mut bits = BitBlock::of_grid(mask, bounds.min - reach, bounds.max + reach);
+    let tiles = tiles::tiles(mask, &rule(radius_vx, None));
     let inside = VoxelBox::of_grid(mask);
-    bits.extend_border(inside.min, inside.max);
-    let mut may = filled(&bits);
-    may.keep_box(inside.min, inside.max);
-    let (added, removed) = filter::majority(&bits, &may, radius_vx, 1.0);
-    let bricks = |block: BitBlock| ListedBricks::new(block.bricks(mask.brick_dims()));
-    (bricks(added), bricks(removed))
+    let [added, removed] = tiles::in_tiles(mask, &tiles, |tile| {
+        let VoxelBox { min, max } = tiles::widened(tile, radius_vx);
+        let mut bits = BitBlock::of_grid(mask, min, max);
+        bits.extend_border(inside.min, inside.max);
+        let mut may = filled(&bits);
+        may.keep_box(tile.min, tile.max);
+        let (added, removed) = filter::majority(&bits, &may, radius_vx, 1.0);
+        [added, removed].map(|block| block.bricks(mask.brick_dims()))
+    });
+    (added, removed)
 }
 
-/// Returns the voxels of a mask as a list.
-pub fn listed(mask: &Grid) -> ListedBricks {
-    ListedBricks::new(mask.nonempty_bricks().map(|(b, brick)| (b, *brick)).collect())
+/// Returns the choice of tiles for a change of a mask that depends on voxels up to `reach_vx` away. `idle`: the value of
+/// cubes that the change leaves alone.
+fn rule(reach_vx: u32, idle: Option<bool>) -> TileRule {
+    // The further the reach, the more of a small tile is computed for its neighbours.
+    let across = match reach_vx {
+        0..=8 => UVec2::new(4, 2),
+        9..=24 => UVec2::splat(4),
+        _ => UVec2::splat(8),
+    };
+    let most_leaves = UVec3::new(8, across.x, across.y);
+    TileRule { reach_vx, idle, border_is_surface: false, most_leaves }
 }
 
 /// Returns all voxels within about `by` voxels of those listed.
@@ -85,7 +105,8 @@ pub(crate) fn thickened(voxels: &ListedBricks, brick_dims: UVec3, by: u32) -> Li
     let reach = IVec3::splat(by as i32);
     let mut bits = BitBlock::empty(bounds.min - reach, bounds.max + reach);
     voxels.bricks().iter().for_each(|(b, brick)| bits.put_brick(b.as_ivec3(), brick));
-    ListedBricks::new(spread(bits, by).bricks(brick_dims))
+    let may = filled(&bits);
+    ListedBricks::new(spread(bits, &may, by).bricks(brick_dims))
 }
 
 /// Returns the surface voxels with more filled voxels around them than on a plane, within `reach_vx` voxels: furrows,
@@ -100,8 +121,15 @@ pub fn cavities(grid: &Grid, reach_vx: u32) -> ListedBricks {
         let is_cavity = |local: UVec3| window.moment(local, reach_vx).0 > least;
         Some((b, chosen(&surface, is_cavity))).filter(|(_, brick)| !brick.is_empty())
     };
-    let bricks: Vec<UVec3> = grid.nonempty_bricks().map(|(b, _)| b).collect();
-    ListedBricks::new(bricks.into_par_iter().filter_map(of_brick).collect())
+    let leaves = surface_leaves(grid).into_par_iter();
+    let of_leaf = |leaf: UVec3| {
+        let low = leaf << LEAF_EDGE_LOG2;
+        let near = indices(bricks_beside_empty(grid, leaf));
+        near.filter_map(move |index| of_brick(low + UVec3::from(local_coords(index))))
+    };
+    let mut bricks: Vec<(UVec3, Brick)> = leaves.flat_map_iter(of_leaf).collect();
+    bricks.par_sort_unstable_by_key(|(b, _)| (b.z, b.y, b.x));
+    ListedBricks::new(bricks)
 }
 
 /// Returns the surface voxels that are face-connected to `start` through voxels whose normals deviate by at most
@@ -127,14 +155,6 @@ pub(crate) fn flat_patch(grid: &Grid, start: UVec3, angle_deg: f32) -> ListedBri
     flood::patch_by(grid, start, &may)
 }
 
-/// Returns a box around the voxels of a grid, in whole bricks; `None` if there are none.
-fn bounds_of(grid: &Grid) -> Option<VoxelBox> {
-    let edge = BRICK_EDGE_VX;
-    let around = |a: (UVec3, UVec3), b: (UVec3, UVec3)| (a.0.min(b.0), a.1.max(b.1));
-    let (low, high) = grid.nonempty_bricks().map(|(b, _)| (b, b + 1)).reduce(around)?;
-    Some(VoxelBox { min: (low * edge).as_ivec3(), max: (high * edge).as_ivec3() })
-}
-
 /// Returns a block of the same position and size with all voxels set.
 fn filled(block: &BitBlock) -> BitBlock {
     let mut all = block.zip(block, |_, _| u64::MAX);
@@ -142,11 +162,10 @@ fn filled(block: &BitBlock) -> BitBlock {
     all
 }
 
-/// Returns a block grown by `by` voxels within its bounds.
-fn spread(mut bits: BitBlock, by: u32) -> BitBlock {
-    let may = filled(&bits);
+/// Returns a block grown by `by` voxels within those of `may`.
+fn spread(mut bits: BitBlock, may: &BitBlock, by: u32) -> BitBlock {
     for round in 0..by {
-        let added = filter::dilation(&bits, &may, ROUNDS[round as usize % 2]);
+        let added = filter::dilation(&bits, may, ROUNDS[round as usize % 2]);
         bits = bits.zip(&added, |bits, added| bits | added);
     }
     bits

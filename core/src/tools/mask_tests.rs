@@ -1,4 +1,5 @@
 use glam::Quat;
+use proptest::prelude::*;
 
 use super::*;
 use crate::tools::solid::{Primitive, Solid};
@@ -172,4 +173,97 @@ fn thickening_reaches_into_the_air_and_into_the_clay() {
     }
     assert_eq!(thickened(&patch, clay.brick_dims(), 0), patch);
     assert!((normal_at(&clay, UVec3::new(20, 15, 18)) - Vec3::Y).length() < 1e-6);
+}
+
+/// Returns the growth of a mask, computed in a single block.
+fn naive_grown(mask: &Grid, by: u32) -> ListedBricks {
+    let inside = VoxelBox::of_grid(mask);
+    let reach = by as i32 + 1;
+    let bits = BitBlock::of_grid(mask, inside.min - reach, inside.max + reach);
+    let mut added = spread(bits.clone(), &filled(&bits), by).zip(&bits, |all, old| all & !old);
+    added.keep_box(inside.min, inside.max);
+    ListedBricks::new(added.bricks(mask.brick_dims()))
+}
+
+/// Returns what a mask loses when it shrinks, computed in a single block.
+fn naive_shrunk(mask: &Grid, by: u32) -> ListedBricks {
+    let inside = VoxelBox::of_grid(mask);
+    let mut bits = BitBlock::of_grid(mask, inside.min - 1, inside.max + 1);
+    let mut may = filled(&bits);
+    may.keep_box(inside.min, inside.max);
+    bits = bits.zip(&may, |bits, inside| bits | !inside);
+    let start = bits.clone();
+    for round in (0..by).rev() {
+        let removed = filter::erosion(&bits, &may, 27 - ROUNDS[round as usize % 2]);
+        bits = bits.zip(&removed, |bits, removed| bits & !removed);
+    }
+    ListedBricks::new(start.zip(&bits, |old, left| old & !left).bricks(mask.brick_dims()))
+}
+
+/// Returns the changes of an evened mask, computed in a single block.
+fn naive_evened(mask: &Grid, radius_vx: u32) -> (ListedBricks, ListedBricks) {
+    let inside = VoxelBox::of_grid(mask);
+    let reach = radius_vx as i32;
+    let mut bits = BitBlock::of_grid(mask, inside.min - reach, inside.max + reach);
+    bits.extend_border(inside.min, inside.max);
+    let mut may = filled(&bits);
+    may.keep_box(inside.min, inside.max);
+    let (added, removed) = filter::majority(&bits, &may, radius_vx, 1.0);
+    let bricks = |block: BitBlock| ListedBricks::new(block.bricks(mask.brick_dims()));
+    (bricks(added), bricks(removed))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(16))]
+    #[test]
+    fn tiles_give_what_a_single_block_gives(
+        dims in prop::array::uniform3(1u32..150),
+        long in prop_oneof![Just(None), Just(Some([700, 3, 70])), Just(Some([9, 400, 66]))],
+        filled: bool,
+        boxes in prop::collection::vec((prop::array::uniform3(0u32..700), prop::array::uniform3(1u32..70)), 0..6),
+        speckled: bool,
+        by in 1u32..12,
+    ) {
+        let dims = UVec3::from(long.unwrap_or(dims));
+        let mut mask = Grid::new(dims, Vec3::ONE, 1 << 30).unwrap();
+        if filled {
+            mask.fill_bricks(|_| Brick::FULL);
+        }
+        for (corner, size) in boxes {
+            let low = UVec3::from(corner) % dims;
+            let size = (UVec3::from(size)).min(dims - low);
+            for i in 0..size.element_product() {
+                let at = UVec3::new(i % size.x, i / size.x % size.y, i / (size.x * size.y));
+                let exists = speckled && at.element_sum() % 2 == 0;
+                mask.set((low + at).as_ivec3(), exists != filled);
+            }
+        }
+        prop_assert_eq!(grown(&mask, by), naive_grown(&mask, by));
+        prop_assert_eq!(shrunk(&mask, by), naive_shrunk(&mask, by));
+        let radius = by.min(8);
+        prop_assert_eq!(evened(&mask, radius), naive_evened(&mask, radius));
+        let reach = by.min(MAX_REACH_VX);
+        let found = cavities(&mask, reach);
+        let all = mask.nonempty_bricks().filter(|(b, _)| flood::surface_of(&mask, *b) != [0; 8]);
+        let near = surface_leaves(&mask).into_iter().flat_map(|leaf| {
+            indices(bricks_beside_empty(&mask, leaf)).map(move |index| leaf * 8 + UVec3::from(local_coords(index)))
+        });
+        let near: std::collections::HashSet<UVec3> = near.collect();
+        for (b, _) in all {
+            prop_assert!(near.contains(&b), "{}", b);
+        }
+        prop_assert!(found.bricks().iter().all(|(b, _)| near.contains(b)));
+    }
+}
+
+#[test]
+fn a_mask_with_large_uniform_cubes_changes_at_its_outline_alone() {
+    let mut mask = Grid::new(UVec3::splat(1100), Vec3::ONE, 1 << 32).unwrap();
+    mask.fill_bricks(|_| Brick::FULL);
+    let hole = IVec3::new(700, 511, 64);
+    mask.set(hole, false);
+    assert_eq!(grown(&mask, 1).bricks().len(), 1);
+    assert!(grown(&mask, 1).bricks()[0].1.count() == 1);
+    let lost: u32 = shrunk(&mask, 1).bricks().iter().map(|(_, mask)| u32::from(mask.count())).sum();
+    assert_eq!(lost, 26);
 }

@@ -19,4 +19,5 @@ pub mod symmetry;
 #[cfg(test)]
 mod symmetry_tests;
 pub mod texture;
+mod tiles;
 pub mod tint;
