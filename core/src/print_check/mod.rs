@@ -19,7 +19,6 @@ use crate::refusal::{InvalidValue, OverBudget};
 use crate::sculpture::region::{ListedBricks, VoxelBox};
 use crate::sculpture::{Grid, GridError};
 use crate::tools::pieces::{Pieces, PiecesOf, pieces};
-use crate::tools::repair::thickness::Thickness;
 use crate::tools::repair::{self, Keep, Repair, RepairError, Toward};
 
 /// Diameter of the proposed drain holes, in millimetres: resin and powder hardly run out of smaller ones.
@@ -233,9 +232,8 @@ pub fn check(
     findings.extend(islands(grid, budget_bytes, progress)?);
     findings.extend(cavities(grid, voxel_mm.x, budget_bytes, progress)?);
 
-    repair::check_memory(Thickness::bytes_to_measure(grid), budget_bytes)?;
+    repair::check_memory(thickness.bytes_to_measure(grid), budget_bytes)?;
     let thin = thickness.thin(grid, progress).ok_or(CheckError::Cancelled)?;
-    let thin = ListedBricks::new(thin.bricks(grid.brick_dims()));
     let thicken = vec![Repair::Thicken { to_vx: wall_vx }];
     findings.extend(places::gathered(
         grid,

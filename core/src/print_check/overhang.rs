@@ -12,7 +12,9 @@ use rayon::prelude::*;
 use super::CheckOptions;
 use crate::progress::Progress;
 use crate::sculpture::Grid;
-use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, BrickKind, local_coords};
+use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, local_coords};
+use crate::sculpture::brick_set::LeafKey;
+use crate::sculpture::grid::{LEAF_EDGE_LOG2, indices, surface_leaves};
 use crate::sculpture::region::ListedBricks;
 use crate::shade::NormalField;
 
@@ -70,17 +72,12 @@ fn normals(grid: &Grid, progress: &dyn Progress) -> Option<NormalField> {
 
 /// Returns the voxels above the layer `bed_y` that have none below them.
 fn facing_down(grid: &Grid, bed_y: u32) -> Vec<(UVec3, Brick)> {
-    let bricks = (0..grid.brick_count()).into_par_iter().with_min_len(1 << 10);
-    let of_brick = |index: usize| {
-        if grid.brick_kind(index) == BrickKind::Empty {
-            return None;
-        }
-        let b = grid.brick_coords(index);
+    let of_brick = |b: UVec3| {
         let below = match b.y {
             0 => Brick::EMPTY,
             _ => *grid.brick(b - UVec3::Y),
         };
-        let mut down = grid.brick_at(index).to_rows();
+        let mut down = grid.brick(b).to_rows();
         for (rows, below) in down.iter_mut().zip(below.to_rows()) {
             *rows &= !(*rows << 8 | below >> 56);
             if bed_y / BRICK_EDGE_VX == b.y {
@@ -89,7 +86,16 @@ fn facing_down(grid: &Grid, bed_y: u32) -> Vec<(UVec3, Brick)> {
         }
         Some((b, Brick::from_rows(&down))).filter(|(_, mask)| !mask.is_empty())
     };
-    bricks.filter_map(of_brick).collect()
+    // A brick among full ones has no such voxel.
+    let of_leaf = |leaf: UVec3| {
+        let near = indices(grid.bricks_near_surface(LeafKey::of(leaf)));
+        let low = leaf << LEAF_EDGE_LOG2;
+        near.filter_map(move |index| of_brick(low + UVec3::from(local_coords(index))))
+    };
+    let leaves = surface_leaves(grid).into_par_iter();
+    let mut bricks: Vec<(UVec3, Brick)> = leaves.flat_map_iter(of_leaf).collect();
+    bricks.par_sort_unstable_by_key(|(b, _)| (b.z, b.y, b.x));
+    bricks
 }
 
 struct Rule<'a> {

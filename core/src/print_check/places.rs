@@ -4,12 +4,14 @@
 
 use glam::{IVec3, UVec3};
 use rayon::prelude::*;
+use rustc_hash::FxHashMap;
 
 use super::{CheckError, FaultKind, FaultLocation, Finding, MOST_PLACES};
 use crate::progress::Progress;
 use crate::sculpture::Grid;
 use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, local_coords};
-use crate::sculpture::region::{ListedBricks, Region, VoxelBox};
+use crate::sculpture::grid::{GridPart, for_each_part};
+use crate::sculpture::region::{BrickBox, ListedBricks, Region, VoxelBox};
 use crate::tools::pieces::{PiecesOf, pieces};
 use crate::tools::repair::Repair;
 
@@ -49,20 +51,28 @@ pub(crate) fn gathered(
     let corner = bounds.min.max(IVec3::ZERO).as_uvec3() / 2;
     let dims = (bounds.max.as_uvec3() / 2 - corner).max(UVec3::ONE);
     let mut cells = Grid::new(dims, glam::Vec3::ONE, budget_bytes)?;
-    let mut masks = vec![Brick::EMPTY; cells.brick_count()];
+    let mut masks: FxHashMap<UVec3, Brick> = FxHashMap::default();
+    // Most cells lie in the same brick as the last one.
+    let mut last = (UVec3::ZERO, Brick::EMPTY);
+    let mut add = |(b, mask): (UVec3, Brick)| {
+        let all = masks.entry(b).or_default();
+        *all = all.or(&mask);
+    };
     for v in voxels(&marked) {
         let cell = (v / 2 - corner).as_ivec3();
         for offset in [IVec3::ZERO, IVec3::X, IVec3::Y, IVec3::Z] {
             let at = cell + offset;
             if cells.contains(at) {
-                let local = at.as_uvec3() % BRICK_EDGE_VX;
-                let index = cells.brick_index(at.as_uvec3() / BRICK_EDGE_VX);
-                masks[index].set(local.x, local.y, local.z, true);
+                let (b, local) = (at.as_uvec3() / BRICK_EDGE_VX, at.as_uvec3() % BRICK_EDGE_VX);
+                if b != last.0 {
+                    add(std::mem::replace(&mut last, (b, Brick::EMPTY)));
+                }
+                last.1.set(local.x, local.y, local.z, true);
             }
         }
     }
-    let mask_of = |b: UVec3| b.x + dims.x.div_ceil(8) * (b.y + dims.y.div_ceil(8) * b.z);
-    cells.fill_bricks(|b| masks[mask_of(b) as usize]);
+    add(last);
+    masks.iter().for_each(|(b, mask)| cells.put_brick(*b, mask));
     let found = pieces(&cells, PiecesOf::Solid, budget_bytes, progress).map_err(check_error)?;
     let none = VoxelBox { min: IVec3::MAX, max: IVec3::MIN };
     let mut places = vec![FaultLocation { voxels: 0, bounds: none }; found.list().len()];
@@ -111,11 +121,21 @@ pub fn voxels(marked: &ListedBricks) -> impl Iterator<Item = UVec3> {
 
 /// Returns the number of voxels in the layer `y` of a grid.
 pub(crate) fn count_in_layer(grid: &Grid, y: u32) -> u64 {
-    let (row, UVec3 { x, z, .. }) = (y / BRICK_EDGE_VX, grid.brick_dims());
-    let bricks = (0..z).flat_map(|z| (0..x).map(move |x| UVec3::new(x, row, z)));
-    let in_brick = |b: UVec3| -> u32 {
-        let rows = grid.brick(b).to_rows();
+    let (row, dims) = (y / BRICK_EDGE_VX, grid.brick_dims());
+    let layer = BrickBox { min: UVec3::new(0, row, 0), max: UVec3::new(dims.x, row + 1, dims.z) };
+    let in_brick = |brick: &Brick| -> u32 {
+        let rows = brick.to_rows();
         rows.iter().map(|rows| (rows >> (8 * (y % BRICK_EDGE_VX)) & 0xFF).count_ones()).sum()
     };
-    bricks.map(|b| u64::from(in_brick(b))).sum()
+    let mut count = 0;
+    for_each_part(grid, layer, &mut |part| match part {
+        GridPart::Uniform { is_full: false, .. } => {}
+        GridPart::Uniform { bricks, .. } => {
+            let end = (bricks.max * BRICK_EDGE_VX).min(grid.dims());
+            let size = (end - bricks.min * BRICK_EDGE_VX).as_u64vec3();
+            count += size.x * size.z;
+        }
+        GridPart::Mixed(_, brick) => count += u64::from(in_brick(brick)),
+    });
+    count
 }

@@ -7,7 +7,8 @@
 //! surfaces are never thin. So an axis-aligned wall is thin exactly if it has fewer voxels than the ball; a sloping one
 //! may be off by up to two voxels. Edges sharper than a right angle are thin along the edge.
 //!
-//! From a grid to blocks of bits; changes nothing. Knows no document.
+//! Walls are measured tile by tile, where the sculpture has a surface. From a grid to voxels; changes nothing. Knows no
+//! document.
 
 use glam::{IVec3, UVec3, Vec3};
 
@@ -15,11 +16,17 @@ use super::ball::DigitalBall;
 use crate::progress::Progress;
 use crate::sculpture::Grid;
 use crate::sculpture::bit_block::BitBlock;
+use crate::sculpture::brick::BRICK_EDGE_VX;
+use crate::sculpture::grid::LEAF_EDGE_LOG2;
+use crate::sculpture::region::{ListedBricks, VoxelBox};
+use crate::tools::tiles::{TileRule, tiles, widened as widened_box};
 
 /// Rounds of thickening: walls at a border of the grid grow to one side only, and by less.
 const ROUNDS: u32 = 8;
-/// Number of blocks as large as the sculpture's box that are in memory at the same time, for measuring and for
-/// thickening.
+/// The most leaves of a tile along each axis, for measuring.
+const MOST_LEAVES: u32 = 8;
+/// Number of blocks as large as a tile, for measuring, or as the sculpture's box, for thickening, that are in memory at
+/// the same time.
 const BLOCKS_TO_MEASURE: u64 = 4;
 const BLOCKS_TO_THICKEN: u64 = 8;
 
@@ -43,8 +50,11 @@ impl Thickness {
     }
 
     /// Returns the bytes that [`Thickness::thin`] takes.
-    pub(crate) fn bytes_to_measure(grid: &Grid) -> u64 {
-        block_bytes(grid, 0) * BLOCKS_TO_MEASURE
+    pub(crate) fn bytes_to_measure(&self, grid: &Grid) -> u64 {
+        let (min, max) = grid.opaque_bounds().unwrap_or_default();
+        let most = (BRICK_EDGE_VX << LEAF_EDGE_LOG2) * MOST_LEAVES + 2 * self.reach_vx();
+        let size = (max - min).min(UVec3::splat(most));
+        (size + 16).as_u64vec3().element_product() / 8 * BLOCKS_TO_MEASURE
     }
 
     /// Returns the bytes that [`Thickness::thicken`] takes.
@@ -54,13 +64,45 @@ impl Thickness {
     }
 
     /// Returns the voxels of `grid` whose wall is too thin. `None` if cancelled.
-    pub fn thin(&self, grid: &Grid, progress: &dyn Progress) -> Option<BitBlock> {
-        let (min, max) = grid.opaque_bounds().unwrap_or_default();
-        let solid = BitBlock::of_grid(grid, min.as_ivec3(), max.as_ivec3());
+    pub fn thin(&self, grid: &Grid, progress: &dyn Progress) -> Option<ListedBricks> {
+        self.thin_by_tiles(grid, MOST_LEAVES, progress)
+    }
+
+    /// Performs [`Thickness::thin`] with tiles of at most so many leaves along each axis.
+    fn thin_by_tiles(
+        &self,
+        grid: &Grid,
+        most_leaves: u32,
+        progress: &dyn Progress,
+    ) -> Option<ListedBricks> {
         progress.begin("measuring walls");
-        let thin = self.thin_of(&solid, progress);
+        let rule = TileRule {
+            reach_vx: self.reach_vx(),
+            idle: Some(false),
+            border_is_surface: true,
+            most_leaves: UVec3::splat(most_leaves),
+        };
+        let (min, max) = grid.opaque_bounds().unwrap_or_default();
+        let solid = VoxelBox { min: min.as_ivec3(), max: max.as_ivec3() };
+        let tiles = tiles(grid, &rule);
+        let mut bricks = Vec::new();
+        for (at, tile) in tiles.iter().enumerate() {
+            // All threads work at one tile.
+            let around = widened_box(*tile, self.reach_vx()).intersect(solid);
+            let block = BitBlock::of_grid(grid, around.min, around.max);
+            let of_tile = TileProgress { progress, at, count: tiles.len() };
+            let mut thin = self.thin_of(&block, &of_tile)?;
+            thin.keep_box(tile.min, tile.max);
+            bricks.append(&mut thin.bricks(grid.brick_dims()));
+        }
         progress.end();
-        thin
+        bricks.sort_unstable_by_key(|(b, _)| (b.z, b.y, b.x));
+        Some(ListedBricks::new(bricks))
+    }
+
+    /// Returns how far away the voxels may be on which it depends whether a voxel is thin.
+    fn reach_vx(&self) -> u32 {
+        self.ball.extent_vx().into_iter().max().unwrap_or(1) + self.tolerance
     }
 
     fn thin_of(&self, solid: &BitBlock, progress: &dyn Progress) -> Option<BitBlock> {
@@ -162,6 +204,27 @@ fn block_bytes(grid: &Grid, reach: u32) -> u64 {
     let (min, max) = grid.opaque_bounds().unwrap_or_default();
     let (low, high) = (min.saturating_sub(UVec3::splat(reach)), (max + reach).min(grid.dims()));
     (high.saturating_sub(low) + 16).as_u64vec3().element_product() / 8
+}
+
+/// The progress of one tile of several.
+struct TileProgress<'a> {
+    progress: &'a dyn Progress,
+    at: usize,
+    count: usize,
+}
+
+impl Progress for TileProgress<'_> {
+    fn begin(&self, _: &str) {}
+
+    fn advance(&self, done: f32) {
+        self.progress.advance((self.at as f32 + done) / self.count as f32);
+    }
+
+    fn end(&self) {}
+
+    fn is_cancelled(&self) -> bool {
+        self.progress.is_cancelled()
+    }
 }
 
 /// Returns the voxels of `within` that are in `block` or have one of their 26 neighbours in it.

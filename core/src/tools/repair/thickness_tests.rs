@@ -20,7 +20,16 @@ fn grid(exists: impl Fn(Vec3) -> bool) -> Grid {
 
 fn thin_count(grid: &Grid, thickness: f32) -> u64 {
     let thickness = Thickness::new(thickness, grid.voxel_size()).unwrap();
-    thickness.thin(grid, &()).unwrap().count()
+    let thin = thickness.thin(grid, &()).unwrap();
+    thin.bricks().iter().map(|(_, mask)| u64::from(mask.count())).sum()
+}
+
+/// Returns a grid of the voxels that are thin.
+fn thin_voxels(grid: &Grid, thickness: &Thickness) -> Grid {
+    let mut thin = grid.emptied();
+    let listed = thickness.thin(grid, &()).unwrap();
+    listed.bricks().iter().for_each(|(b, mask)| thin.put_brick(*b, mask));
+    thin
 }
 
 fn thickened(mut grid: Grid, thickness: f32) -> Grid {
@@ -79,10 +88,10 @@ fn wires_and_fins_are_thin_and_what_carries_them_is_not() {
         fin || p.y < 4.0 && p.abs().max_element() < 14.0
     });
     let thickness = Thickness::new(4.0, Vec3::ONE).unwrap();
-    let thin = thickness.thin(&on_a_cube, &()).unwrap();
+    let thin = thin_voxels(&on_a_cube, &thickness);
     // All of the fin except its foot: the cap of a ball in the cube is two voxels wide, too, and the tolerance counts
     // from there.
-    assert_eq!(thin.count(), 2 * 16 * (10 - 1 - u64::from(thickness.tolerance)));
+    assert_eq!(thin.opaque_count(), 2 * 16 * (10 - 1 - u64::from(thickness.tolerance)));
     assert!(!thin.get(IVec3::new(20, 10, 20)) && thin.get(IVec3::new(20, 33, 20)));
 }
 
@@ -166,7 +175,7 @@ proptest! {
         let wall = |half: f32| grid(|p| (p.dot(across) + at).abs() < half && p.length() < 18.0);
         let thick = wall(0.5 * (wanted + 1.5));
         let inner = |grid: &Grid| -> u64 {
-            let thin = Thickness::new(wanted, Vec3::ONE).unwrap().thin(grid, &()).unwrap();
+            let thin = thin_voxels(grid, &Thickness::new(wanted, Vec3::ONE).unwrap());
             let mut count = 0;
             for index in 0..EDGE.pow(3) {
                 let v = grid.voxel_coords(index).as_ivec3();
@@ -199,5 +208,46 @@ proptest! {
             d.length() < *r || d.abs().max_element() < 6.0 && d.abs().min_element() < 0.6
         }));
         prop_assert_eq!(thin_count(&thickened(solid, wanted), wanted), 0);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+    #[test]
+    fn tiles_find_what_a_single_block_finds(
+        dims in prop::array::uniform3(1u32..150),
+        flat in 0usize..4,
+        boxes in prop::collection::vec((prop::array::uniform3(0u32..150), prop::array::uniform3(1u32..40)), 0..8),
+        filled: bool,
+        wanted in 1.0f32..9.0,
+    ) {
+        let mut dims = UVec3::from(dims);
+        if flat < 3 {
+            dims[flat] = 5;
+            dims[(flat + 1) % 3] = 400;
+        }
+        let mut grid = Grid::new(dims, Vec3::ONE, 1 << 30).unwrap();
+        let (low, high) = (dims / 5, dims * 4 / 5);
+        let in_box = |v: UVec3| {
+            let hit = |(low, size): &([u32; 3], [u32; 3])| {
+                v.cmpge(UVec3::from(*low)).all() && v.cmplt(UVec3::from(*low) + UVec3::from(*size)).all()
+            };
+            boxes.iter().filter(|cuboid| hit(cuboid)).count() % 2 == 1
+        };
+        for index in 0..grid.dims().element_product() {
+            let v = grid.voxel_coords(index);
+            let inside = filled && v.cmpge(low).all() && v.cmple(high).all();
+            if inside != in_box(v) {
+                grid.set(v.as_ivec3(), true);
+            }
+        }
+        let thickness = Thickness::new(wanted, Vec3::ONE).unwrap();
+        let (min, max) = grid.opaque_bounds().unwrap_or_default();
+        let solid = BitBlock::of_grid(&grid, min.as_ivec3(), max.as_ivec3());
+        let whole = thickness.thin_of(&solid, &()).unwrap();
+        let whole = ListedBricks::new(whole.bricks(grid.brick_dims()));
+        for most_leaves in [1, 2, 8] {
+            prop_assert_eq!(&thickness.thin_by_tiles(&grid, most_leaves, &()).unwrap(), &whole);
+        }
     }
 }
