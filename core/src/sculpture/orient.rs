@@ -95,10 +95,11 @@ impl<'a> Reorientation<'a> {
     pub fn run(&self, limits: &Limits, progress: &dyn Progress) -> Result<Contents, OrientError> {
         let Contents { grid, material, mask, surface } = self.from;
         let voxel_size = Vec3::from(self.orientation.permuted(grid.voxel_size().to_array()));
-        Grid::check(self.dims(), voxel_size, limits.grid_bytes)?;
+        Grid::check_size(self.dims(), voxel_size)?;
+        self.check_bits_memory(limits.grid_bytes)?;
         let mut colours = Material::new(material.depth(), material.base(), self.dims());
         self.check_colour_memory(&colours, limits.colour_bytes)?;
-        let mut turned = Grid::new(self.dims(), voxel_size, limits.grid_bytes)?;
+        let mut turned = Grid::of_size(self.dims(), voxel_size)?;
 
         progress.begin("rotating the voxels");
         let (leaves, begun) = (turned.brick_count().div_ceil(LEAF_BRICKS), AtomicUsize::new(0));
@@ -268,6 +269,13 @@ impl<'a> Reorientation<'a> {
 
     /// Refuses a result whose colours would take more memory than allowed. Counts the pages one by one only if an upper
     /// bound exceeds the budget.
+    fn check_bits_memory(&self, budget: u64) -> Result<(), OrientError> {
+        let most = self.from.grid.heap_bytes().saturating_mul(self.overlapped.count_ones().into());
+        let needed = most.min(Grid::bytes_for(self.dims()));
+        let what = "the rotated sculpture may need";
+        Ok(OverBudget::check(what, needed, MemoryBudget::Grids, budget).map_err(GridError::from)?)
+    }
+
     fn check_colour_memory(&self, colours: &Material, budget: u64) -> Result<(), OrientError> {
         let painted = self.from.material.page_count() as u64;
         let bricks = self.from.grid.brick_count();
