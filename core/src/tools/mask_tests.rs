@@ -214,7 +214,7 @@ fn naive_evened(mask: &Grid, radius_vx: u32) -> (ListedBricks, ListedBricks) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(16))]
+    #![proptest_config(ProptestConfig::with_cases(10))]
     #[test]
     fn tiles_give_what_a_single_block_gives(
         dims in prop::array::uniform3(1u32..150),
@@ -240,7 +240,7 @@ proptest! {
         }
         prop_assert_eq!(grown(&mask, by), naive_grown(&mask, by));
         prop_assert_eq!(shrunk(&mask, by), naive_shrunk(&mask, by));
-        let radius = by.min(8);
+        let radius = by.min(4);
         prop_assert_eq!(evened(&mask, radius), naive_evened(&mask, radius));
         let reach = by.min(MAX_REACH_VX);
         let found = cavities(&mask, reach);

@@ -408,7 +408,8 @@ fn invalid_masks_are_refused() {
     let mut small = Document::new(&new, limits).unwrap();
     assert_eq!(run(&mut small, "mask add grid").unwrap(), 64 * 64 * 64);
     run(&mut small, "mask clear").unwrap();
-    let refused = run(&mut small, "mask add sphere at=32,32,32 size=60").unwrap_err().to_string();
+    let refused =
+        run(&mut small, "mask add ellipsoid at=32,32,32 half=30").unwrap_err().to_string();
     assert!(refused.contains("MiB allowed for grids"), "{refused}");
     assert!(matches!(
         run(&mut small, "mask add colour colour=#000000"),

@@ -19,9 +19,9 @@ use glam::UVec3;
 pub(super) const NODE_EDGE: u32 = 8;
 pub(in crate::sculpture) const NODE_EDGE_LOG2: u32 = 3;
 
-/// Bytes that a leaf takes besides its bricks, its share of the nodes above it included: a node has a leaf or more.
+/// The most bytes that a new leaf takes besides its bricks, with the nodes above it that have to be made.
 pub(in crate::sculpture) const LEAF_BYTES: u64 =
-    (2 * (size_of::<TreeNode>() + align_of::<TreeNode>() + size_of::<Arc<TreeNode>>())) as u64;
+    (3 * (size_of::<TreeNode>() + align_of::<TreeNode>() + size_of::<Arc<TreeNode>>())) as u64;
 
 /// A child among the 512 of a node: a word of the masks, and the bit in it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
