@@ -17,7 +17,7 @@ pub struct IndexMap {
     pub rays: PixelRays,
     /// `rays.size.x * rays.size.y` values, or none ([`IndexMap::forget`]).
     pub voxels: Vec<u32>,
-    /// What the numbers name.
+    /// The voxels that the numbers name.
     pub numbering: VoxelNumbering,
     /// The normal of each pixel, packed as [`crate::shade::normal_field::PackedNormal`], from a sampler that knows the
     /// surface between voxels. Otherwise empty: the voxels' own normals apply.

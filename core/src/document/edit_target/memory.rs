@@ -75,7 +75,7 @@ impl EditTarget {
         }
         let used = self.grid().heap_bytes() + self.mask().map_or(0, Grid::heap_bytes);
         let close = if used.saturating_add(quick) <= budget { quick } else { growth(true) };
-        // What takes no more memory is always allowed.
+        // An edit that takes no more memory is always allowed.
         if close > 0 {
             let (what, purpose) = ("this may need", MemoryBudget::Grids);
             OverBudget::check(what, used.saturating_add(close), purpose, budget)?;

@@ -44,7 +44,7 @@ pub(super) struct Labels<'a> {
     pub count: u32,
 }
 
-/// What lies on one side of a face.
+/// One side of a face.
 #[derive(Clone, Copy)]
 enum Side {
     /// A uniform cube, and its component.
