@@ -16,7 +16,7 @@ use crate::sculpture::clip::Clip;
 use crate::sculpture::edit::EditStats;
 use crate::sculpture::history::{Contents, History, HistorySnapshot, State, StepStore};
 use crate::sculpture::selection::Selection;
-use crate::sculpture::{Brick, Grid, Material, Placement};
+use crate::sculpture::{Grid, Material, Placement};
 use crate::tools::symmetry::{Symmetry, SymmetryTransform};
 use crate::tools::texture::Texture;
 
@@ -267,7 +267,7 @@ impl Document {
 pub fn make_contents(new: &NewSculpture) -> Result<Contents, CommandError> {
     let mut grid = Grid::of_size(new.dims, new.voxel_size)?;
     if new.solid {
-        grid.fill_bricks(|_| Brick::FULL);
+        grid.fill();
     }
     let material = Material::for_grid(&grid, new.colour_depth, new.base);
     Ok(Contents::new(grid, material))

@@ -293,6 +293,11 @@ impl Grid {
         self.root = build::tree_of_bricks(self.extent, self.levels, &f);
     }
 
+    /// Makes all voxels exist.
+    pub fn fill(&mut self) {
+        self.fill_cubes(|_| Some(true), |_| Brick::FULL);
+    }
+
     /// Sets all bricks, in parallel, as [`Grid::fill_bricks`] does; but asks `whole` about each cube of the tree first, the
     /// large ones before the small: a cube for which it returns whether it is full or empty is not divided further.
     pub(crate) fn fill_cubes(
@@ -401,10 +406,10 @@ pub(crate) mod tests {
 
     #[test]
     fn uniform_grids_take_next_to_nothing_whatever_their_size() {
-        for edge in [1, 64, 511, 1024, 1625] {
-            let mut grid = small_grid(UVec3::splat(edge));
+        for edge in [1, 64, 511, 1024, 1625, 4095, 4096] {
+            let mut grid = Grid::of_size(UVec3::splat(edge), Vec3::ONE).unwrap();
             assert!(grid.heap_bytes() <= 1024, "{} bytes", grid.heap_bytes());
-            grid.fill_bricks(|_| Brick::FULL);
+            grid.fill();
             assert!(grid.heap_bytes() <= 1024, "{} bytes", grid.heap_bytes());
             assert_eq!(grid.opaque_count(), u64::from(edge).pow(3));
             check(&grid);

@@ -4,7 +4,6 @@ use egui::{ComboBox, DragValue, Grid, Id, Key, Modal, Ui};
 use glam::{UVec3, Vec3};
 
 use crate::command::{Command, NewSculpture};
-use crate::remedy::told;
 use crate::sculpture::grid::MAX_AXIS_VX;
 use crate::sculpture::{ColourDepth, Grid as VoxelGrid, Rgb};
 use crate::ui::dialogs::shared::{Dialog, DialogContext};
@@ -66,19 +65,12 @@ impl Dialog for NewDialog {
             let enter = free && ui.input(|input| input.key_pressed(Key::Enter));
             fields(ui, self);
             ui.add_space(4.0);
-            let refusal = VoxelGrid::check_size(self.dims, Vec3::ONE).err();
-            match &refusal {
-                None => memory(ui, self),
-                Some(error) => {
-                    ui.colored_label(theme::error_colour(ui.visuals()), told(error));
-                }
-            }
+            memory(ui, self);
             ui.weak("You can get the current sculpture back with Undo.");
             ui.add_space(8.0);
             ui.horizontal(|ui| {
                 let create = theme::primary(ui.visuals(), "Create");
-                let clicked = ui.add_enabled(refusal.is_none(), create).clicked();
-                if clicked || enter && refusal.is_none() {
+                if ui.add(create).clicked() || enter {
                     requests.push(UiRequest::Run(Command::New(self.wanted())));
                     self.open = false;
                 }
