@@ -234,7 +234,7 @@ proptest! {
             let size = (UVec3::from(size)).min(dims - low);
             for i in 0..size.element_product() {
                 let at = UVec3::new(i % size.x, i / size.x % size.y, i / (size.x * size.y));
-                let exists = speckled && at.element_sum() % 2 == 0;
+                let exists = speckled && at.element_sum().is_multiple_of(2);
                 mask.set((low + at).as_ivec3(), exists != filled);
             }
         }

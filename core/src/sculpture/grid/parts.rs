@@ -265,7 +265,7 @@ pub(crate) fn bricks_beside_empty(grid: &Grid, leaf: UVec3) -> Brick {
     for (z, layer) in rows.iter_mut().enumerate() {
         for (y, row) in layer.iter_mut().enumerate() {
             // The leaf around on an axis, and the place in it.
-            let place = |at: usize| ((at + 7) / 8, ((at + 7) % 8) as u32);
+            let place = |at: usize| (at.div_ceil(8), ((at + 7) % 8) as u32);
             let ((leaf_y, y), (leaf_z, z)) = (place(y), place(z));
             let part = |leaf_x: usize| row_of(&full[leaf_x + 3 * leaf_y + 9 * leaf_z], y, z) as u16;
             *row = part(0) >> 7 | part(1) << 1 | (part(2) & 1) << 9;

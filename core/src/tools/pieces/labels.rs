@@ -154,9 +154,9 @@ impl<'a> Labels<'a> {
 
     /// Joins the words of a brick, or of a mask of children, with those beside them.
     fn join_own_words(&self, first: [u32; BRICK_WORDS], bits: &Brick, forest: &Forest) {
-        for axis in 0..3 {
-            for word in (0..BRICK_WORDS).filter(|word| word & WORD_STEPS[axis] != 0) {
-                let below = word - WORD_STEPS[axis];
+        for (axis, step) in WORD_STEPS.into_iter().enumerate() {
+            for word in (0..BRICK_WORDS).filter(|word| word & step != 0) {
+                let below = word - step;
                 let (below, above) =
                     ((first[below], bits.words[below]), (first[word], bits.words[word]));
                 forest.join_words(axis, below, above);
