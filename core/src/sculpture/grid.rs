@@ -26,6 +26,7 @@ mod leaf_edit;
 mod lend;
 mod node;
 mod read;
+mod reframe;
 mod visit;
 mod walls;
 mod word_reader;
@@ -38,6 +39,7 @@ pub(in crate::sculpture) use lend::{
     ChangedLeaf, Cube, CubeEdit, LeafPlace, Lent, LentLeaf, OldLeaf,
 };
 pub(in crate::sculpture) use node::{NODE_EDGE_LOG2, Slot};
+pub(in crate::sculpture) use reframe::reframed;
 
 pub use walls::voxels_at_walls;
 pub use word_reader::WordReader;

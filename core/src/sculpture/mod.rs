@@ -7,6 +7,7 @@
 pub mod bit_block;
 pub mod brick;
 pub mod brick_set;
+pub mod canvas_frame;
 pub mod clip;
 pub mod colour;
 pub mod colour_record;
@@ -27,6 +28,7 @@ pub mod orientation;
 pub mod paint;
 pub mod placement;
 pub mod record;
+pub mod reframe;
 pub mod region;
 pub mod selection;
 pub mod stroke;

@@ -19,6 +19,8 @@ pub struct NewDialog {
     pub depth: ColourDepth,
     pub base: Rgb,
     pub solid: bool,
+    /// Empty voxels at every side of the block.
+    pub room_vx: u32,
 }
 
 impl NewDialog {
@@ -29,11 +31,18 @@ impl NewDialog {
             depth: sculpture.colour_depth,
             base: sculpture.base,
             solid: true,
+            room_vx: sculpture.room_vx,
         }
+    }
+
+    /// Returns the size with the room around the block.
+    fn canvas(&self) -> UVec3 {
+        self.dims + 2 * self.room_vx
     }
 
     fn wanted(&self) -> NewSculpture {
         NewSculpture {
+            room_vx: self.room_vx,
             dims: self.dims,
             voxel_size: Vec3::ONE,
             colour_depth: self.depth,
@@ -67,7 +76,7 @@ impl Dialog for NewDialog {
             fields(ui, self);
             ui.add_space(4.0);
             let limits = context.document.limits();
-            let refusal = VoxelGrid::check(self.dims, Vec3::ONE, limits.grid_bytes).err();
+            let refusal = VoxelGrid::check(self.canvas(), Vec3::ONE, limits.grid_bytes).err();
             match &refusal {
                 None => memory(ui, self),
                 Some(error) => {
@@ -117,6 +126,13 @@ fn fields(ui: &mut Ui, dialog: &mut NewDialog) {
             }
         });
         ui.end_row();
+        ui.label("Room");
+        let room = DragValue::new(&mut dialog.room_vx).range(0..=MAX_AXIS_VX).speed(1.0);
+        ui.add(room.suffix(" voxels")).on_hover_text(
+            "Empty voxels at every side of the block, for what is added to it; the command \
+             `canvas grow` adds more later",
+        );
+        ui.end_row();
         ui.label("Colours");
         ComboBox::from_id_salt("depth")
             .width(190.0)
@@ -150,8 +166,8 @@ fn depth_name(depth: ColourDepth) -> &'static str {
 
 fn memory(ui: &mut Ui, dialog: &NewDialog) {
     let mib = |bytes: u64| bytes as f64 / f64::from(1 << 20);
-    let shape = VoxelGrid::bytes_for(dialog.dims);
-    let voxels = dialog.dims.as_u64vec3().element_product();
+    let shape = VoxelGrid::bytes_for(dialog.canvas());
+    let voxels = dialog.canvas().as_u64vec3().element_product();
     let colours = voxels * dialog.depth.bytes() as u64;
     let text = if colours == 0 {
         format!("Needs {:.1} MiB of memory", mib(shape))
