@@ -113,6 +113,7 @@ fn an_edit_allocates_for_its_command_and_nothing_for_its_voxels() {
         colour_depth: ColourDepth::None,
         base: Rgb::default(),
         solid: true,
+        room_vx: 0,
     };
     let mut document = Document::new(&new, Limits::default()).unwrap();
     let ball = |radius: f32| {

@@ -28,6 +28,7 @@ fn document(solid: bool, colour_depth: ColourDepth) -> Document {
         colour_depth,
         base: Rgb::new(200, 190, 170),
         solid,
+        room_vx: 0,
     };
     Document::new(&new, Limits::default()).expect("512^3 is within the default limits")
 }

@@ -26,12 +26,14 @@ use crate::tools::symmetry::Symmetry;
 use crate::tools::tint::Tint;
 
 mod area;
+mod canvas;
 mod class;
 mod help;
 mod mask;
 pub mod text;
 
 pub use area::{Area, SelectOp};
+pub use canvas::CanvasChange;
 pub use class::CommandClass;
 pub use help::{COMMANDS, CommandHelp};
 pub use mask::{MaskArea, MaskChange, PatchRule};
@@ -50,6 +52,8 @@ pub struct NewSculpture {
     pub base: Rgb,
     /// Start with a solid block instead of an empty grid.
     pub solid: bool,
+    /// Empty voxels around the block at every side.
+    pub room_vx: u32,
 }
 
 /// A value that changes a sculpture.
@@ -143,7 +147,7 @@ pub enum Command {
     /// Give the patch of one colour on the surface around a voxel another colour.
     Flood {
         /// The voxel.
-        at: UVec3,
+        at: IVec3,
         /// The colour of the patch afterwards.
         colour: Rgb,
         /// How far colours of the patch may differ from the voxel's: a share of the range of each channel.
@@ -190,6 +194,8 @@ pub enum Command {
     Orient(Orientation),
     /// Make the sculpture fit for printing.
     Repair(Repair),
+    /// Move the sides of the sculpture's box, or let it grow with the tools.
+    Canvas(CanvasChange),
     /// Show and export near voxels as cubes or as the smooth surface between them. An undo step, although it changes no
     /// voxel.
     Surface(SurfaceKind),
@@ -305,6 +311,7 @@ impl Command {
             Command::Array { .. } => "array",
             Command::Orient(_) => "orient",
             Command::Repair(repair) => repair.verb(),
+            Command::Canvas(_) => "canvas",
             Command::Surface(_) => "surface",
             Command::Undo { .. } => "undo",
             Command::Redo { .. } => "redo",
@@ -327,6 +334,7 @@ impl Command {
                 format!("{} {}", self.verb(), area.name())
             }
             Command::Mask(change) => format!("mask {}", change.name()),
+            Command::Canvas(change) => format!("canvas {}", change.name()),
             Command::Surface(kind) => format!("{} {}", self.verb(), kind.name()),
             Command::DrawnSolid { drawn, .. } => format!("{} {}", self.verb(), drawn.name()),
             Command::Brush(used) if used.picture.is_none() => used.brush().spec().name.to_string(),

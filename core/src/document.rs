@@ -8,13 +8,18 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use glam::Affine3A;
+use glam::{Affine3A, IVec3};
 
 use crate::command::{Command, NewSculpture};
+use crate::refusal::{MemoryBudget, OverBudget};
 pub use crate::sculpture::Limits;
+use crate::sculpture::bits_growth::bits_growth;
+use crate::sculpture::canvas_frame::CanvasFrame;
 use crate::sculpture::clip::Clip;
 use crate::sculpture::edit::EditStats;
+use crate::sculpture::grid::MAX_AXIS_VX;
 use crate::sculpture::history::{Contents, History, HistorySnapshot, State, StepStore};
+use crate::sculpture::region::VoxelBox;
 use crate::sculpture::selection::Selection;
 use crate::sculpture::{Grid, Material, Placement};
 use crate::tools::symmetry::{Symmetry, SymmetryTransform};
@@ -23,6 +28,7 @@ use crate::tools::texture::Texture;
 mod apply;
 mod areas;
 mod brush;
+mod canvas;
 mod changes;
 mod clipboard;
 mod edit_target;
@@ -78,7 +84,7 @@ pub struct Document {
 impl Document {
     /// Creates a document with a new sculpture and an empty history.
     pub fn new(new: &NewSculpture, limits: Limits) -> Result<Document, CommandError> {
-        Ok(Document::from_contents(make_contents(new)?, limits))
+        Ok(Document::from_contents(make_contents(new, &limits)?, limits))
     }
 
     /// Creates a document with existing contents and an empty history.
@@ -160,14 +166,24 @@ impl Document {
         &self.target.limits
     }
 
-    /// Returns the marker and the selected boxes.
+    /// Returns the marker and the selected boxes, in grid coordinates.
     pub fn selection(&self) -> &Selection {
         &self.target.selection
     }
 
-    /// Returns the mirror planes in use.
+    /// Returns the mirror planes in use, in signed coordinates.
     pub fn symmetry(&self) -> Symmetry {
         self.target.symmetry
+    }
+
+    /// Returns the positions of the mirror planes of the axes, in grid coordinates.
+    pub fn mirror_planes(&self) -> [Option<f32>; 3] {
+        self.target.symmetry.planes_in(&self.contents().frame)
+    }
+
+    /// Returns the distance from grid coordinates to signed ones, which commands have.
+    pub fn origin(&self) -> IVec3 {
+        self.target.origin()
     }
 
     /// Returns the images of tools under the present symmetry, the identity first.
@@ -234,7 +250,7 @@ impl Document {
 
     /// Returns the map from grid coordinates (voxels) to world units.
     pub fn world_from_grid(&self) -> Affine3A {
-        self.placement.world_from_grid(self.grid().dims(), self.grid().voxel_size())
+        self.placement.world_from_framed(&self.contents().frame, self.grid().voxel_size())
     }
 
     /// Calls `f` with the contents and the bricks changed since the last call, as rising linear indices. `None` means
@@ -264,11 +280,17 @@ impl Document {
 }
 
 /// Creates the contents that [`Command::New`] describes, for [`Document::replace`].
-pub fn make_contents(new: &NewSculpture) -> Result<Contents, CommandError> {
-    let mut grid = Grid::of_size(new.dims, new.voxel_size)?;
+pub fn make_contents(new: &NewSculpture, limits: &Limits) -> Result<Contents, CommandError> {
+    Grid::check_size(new.dims, new.voxel_size)?;
+    let room = new.room_vx.min(MAX_AXIS_VX);
+    let mut grid = Grid::of_size(new.dims + 2 * room, new.voxel_size)?;
     if new.solid {
-        grid.fill();
+        let block = VoxelBox { min: IVec3::splat(room as i32), max: (new.dims + room).as_ivec3() };
+        let growth = bits_growth(&grid, &block, true, true);
+        OverBudget::check("this may need", growth, MemoryBudget::Grids, limits.grid_bytes)?;
+        grid.fill_box(block);
     }
     let material = Material::for_grid(&grid, new.colour_depth, new.base);
-    Ok(Contents::new(grid, material))
+    let frame = CanvasFrame { origin: IVec3::splat(-(room as i32)), ..CanvasFrame::of(new.dims) };
+    Ok(Contents { frame, ..Contents::new(grid, material) })
 }

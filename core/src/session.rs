@@ -284,7 +284,7 @@ impl Session {
                 let contents = self.document.share_contents();
                 Task::Repair { repair, contents, limits, state: self.document.state() }
             }
-            Command::New(new) => Task::New(new),
+            Command::New(new) => Task::New { new, limits },
             Command::Open { path, import } => {
                 let embedded = self.embedded.get(&path).cloned();
                 let histories = self.histories.saved().cloned();

@@ -39,7 +39,16 @@ fn frozen_text(name: &str, made: impl FnOnce() -> String) -> String {
 }
 
 fn script() -> Vec<Command> {
-    let text = std::fs::read_to_string(path("commands.sculpt")).unwrap();
+    script_of("commands.sculpt")
+}
+
+/// Returns the script of a canvas that is moved and grows.
+fn canvas_script() -> Vec<Command> {
+    script_of("canvas.sculpt")
+}
+
+fn script_of(name: &str) -> Vec<Command> {
+    let text = std::fs::read_to_string(path(name)).unwrap();
     parse_script(&text).unwrap().into_iter().map(|(_, command)| command).collect()
 }
 
@@ -91,13 +100,18 @@ fn done(commands: &[Command]) -> Session {
 
 #[test]
 fn every_command_keeps_its_text_and_makes_the_same_sculpture() {
+    keeps_its_text("commands.txt", &script());
+    keeps_its_text("canvas.txt", &canvas_script());
+}
+
+fn keeps_its_text(name: &str, script: &[Command]) {
     let mut session = session();
     let mut now = String::new();
-    for command in script() {
-        execute(&mut session, &command);
+    for command in script {
+        execute(&mut session, command);
         writeln!(now, "{} {command}", digest(&session)).unwrap();
     }
-    let then = frozen_text("commands.txt", || now.clone());
+    let then = frozen_text(name, || now.clone());
     for (i, (now, then)) in now.lines().zip(then.lines()).enumerate() {
         assert_eq!(now, then, "command {i}");
     }
@@ -105,12 +119,12 @@ fn every_command_keeps_its_text_and_makes_the_same_sculpture() {
     // The written text reads back as the same commands.
     let texts =
         then.lines().map(|line| line.split_once(' ').unwrap().1.parse::<Command>().unwrap());
-    assert!(texts.eq(script()));
+    assert!(texts.eq(script.iter().cloned()));
 }
 
 #[test]
 fn the_script_has_every_command() {
-    let commands = script();
+    let commands = [script(), canvas_script()].concat();
     for verb in sculpture_core::command::COMMANDS.iter().map(|help| help.verb) {
         // Files have tests of their own.
         let is_there = commands.iter().any(|command| command.verb() == verb);
@@ -124,6 +138,8 @@ fn a_journal_leads_to_the_same_session() {
         ("steps.journal", 1000, script()),
         ("checkpoint.journal", 0, end_of_script()),
         ("pages.journal", 0, few_steps()),
+        ("canvas.journal", 1000, canvas_script()),
+        ("canvas-checkpoint.journal", 0, canvas_script()),
     ];
     for (name, replay, commands) in cases {
         let bytes = frozen(name, || {

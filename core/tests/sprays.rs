@@ -24,6 +24,7 @@ fn block(colour_depth: ColourDepth) -> Document {
         colour_depth,
         base: Rgb::STONE,
         solid: true,
+        room_vx: 0,
     };
     Document::new(&new, Limits::default()).unwrap()
 }

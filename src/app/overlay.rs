@@ -297,6 +297,7 @@ mod tests {
             colour_depth: ColourDepth::Bits24,
             base: Rgb::STONE,
             solid: true,
+            room_vx: 0,
         };
         Document::new(&new, Limits::default()).unwrap()
     }

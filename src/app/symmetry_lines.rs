@@ -20,11 +20,11 @@ pub const MIRROR: Rgb = Rgb::new(0xb0, 0x8c, 0xf0);
 
 /// Returns the lines of all mirror planes and axes.
 pub fn lines(document: &Document) -> Vec<OverlayLine> {
-    let (grid, symmetry) = (document.grid(), document.symmetry());
+    let (grid, symmetry) = (document.grid(), document.symmetry().shifted(-document.origin()));
     let dims = grid.dims();
     let stretch = grid.voxel_size() / grid.voxel_size().min_element();
     let mut pairs = Vec::new();
-    for (axis, plane) in symmetry.planes(dims).into_iter().enumerate() {
+    for (axis, plane) in document.mirror_planes().into_iter().enumerate() {
         pairs.extend(plane.into_iter().flat_map(|plane| plane_edges(axis, plane, dims)));
     }
     pairs.extend(symmetry.plane.iter().flat_map(|plane| of_plane(plane, dims, stretch)));

@@ -218,6 +218,7 @@ pub(super) fn block(colour_depth: ColourDepth, limits: Limits) -> Result<Documen
         colour_depth,
         base: Rgb::new(200, 190, 170),
         solid: true,
+        room_vx: 0,
     };
     Document::new(&new, limits)
 }

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use glam::{Quat, UVec3, Vec3};
+use glam::{IVec3, Quat, Vec3};
 
 use super::edits::{EditReport, block, subtract, take_back, timed};
 use crate::command::{Command, MaskArea, MaskChange, PatchRule};
@@ -143,7 +143,7 @@ fn further_brushes() -> [(&'static str, BrushUse); 4] {
 }
 
 fn areas() -> Vec<(&'static str, MaskArea)> {
-    let at = UVec3::new(20, 511, 20);
+    let at = IVec3::new(20, 511, 20);
     vec![
         ("cavities", MaskArea::Cavities { reach_vx: 4, depth_vx: 2 }),
         ("a flat patch", MaskArea::Patch { at, by: PatchRule::Flat(20.0), depth_vx: 2 }),

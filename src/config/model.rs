@@ -142,6 +142,7 @@ impl NewOptions {
     /// Returns a solid block.
     pub(super) fn sculpture(&self) -> NewSculpture {
         NewSculpture {
+            room_vx: 0,
             dims: self.dims.into(),
             voxel_size: Vec3::ONE,
             colour_depth: self.colour_bits,

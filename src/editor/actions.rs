@@ -350,7 +350,7 @@ impl Editor {
     pub(super) fn flood_from(&mut self, at: UVec3) {
         let (colour, tolerance) = (self.tool.colour, self.tool.flood_tolerance);
         self.tool.used_colour();
-        self.run(Command::Flood { at, colour, tolerance });
+        self.run(Command::Flood { at: at.as_ivec3(), colour, tolerance });
     }
 
     /// Protects the voxels connected to a surface voxel, or releases them.
@@ -556,7 +556,7 @@ impl Editor {
 
     fn toggle_symmetry(&mut self, what: SymmetryPart) {
         let document = self.document();
-        let symmetry = what.toggled(document.symmetry(), document.grid().dims());
+        let symmetry = what.toggled(document.symmetry(), document.contents().frame.home);
         self.execute(&Command::Symmetry(symmetry));
     }
 
@@ -572,8 +572,8 @@ impl Editor {
 
     /// Places a part of the symmetry.
     pub(super) fn put_symmetry(&mut self, what: SymmetryPart, at_vx: Vec3, direction: Vec3) {
-        let before = self.document().symmetry();
-        let symmetry = what.put(before, at_vx, direction);
+        let (before, origin) = (self.document().symmetry(), self.document().origin());
+        let symmetry = what.put(before, at_vx + origin.as_vec3(), direction);
         if symmetry != before {
             self.execute(&Command::Symmetry(symmetry));
         }

@@ -186,8 +186,9 @@ impl CommandRunner {
             self.refuse(command);
             return None;
         }
-        let dims = self.document().grid().dims();
-        match self.session.execute(command, &()) {
+        let (dims, origin) = (self.document().grid().dims(), self.document().origin());
+        // Tools name places in the grid.
+        match self.session.execute(&command.translated(origin), &()) {
             Ok(applied) => {
                 let changed = applied.stats.voxels_changed();
                 self.voxels_changed += changed;

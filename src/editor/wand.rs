@@ -38,6 +38,7 @@ impl Wand {
     /// difference of colours, as a share of the range.
     pub(super) fn command(&self, at: UVec3, tolerance: f32) -> Command {
         let Wand { rule, angle_deg, depth_vx, adds } = *self;
+        let at = at.as_ivec3();
         let what = match rule {
             WandRule::Colour => MaskArea::Patch { at, by: PatchRule::Colour(tolerance), depth_vx },
             WandRule::Flat => MaskArea::Patch { at, by: PatchRule::Flat(angle_deg), depth_vx },

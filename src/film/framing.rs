@@ -44,11 +44,11 @@ impl FilmFraming {
 
     /// Returns the placement of the camera for a frame in which the sculpture is `document`.
     pub fn placement(&self, document: &Document, turn_rad: f32) -> CameraPlacement {
-        let grid = document.grid();
+        let (frame, voxel_size) = (document.contents().frame, document.grid().voxel_size());
         let turn = Affine3A::from_translation(self.pivot)
             * Affine3A::from_quat(Quat::from_axis_angle(self.up, turn_rad))
             * Affine3A::from_translation(-self.pivot);
-        let world_from_grid = turn * self.placement.world_from_grid(grid.dims(), grid.voxel_size());
+        let world_from_grid = turn * self.placement.world_from_framed(&frame, voxel_size);
         CameraPlacement { eye: self.eye, world_from_grid, distance: self.distance }
     }
 }
@@ -122,6 +122,7 @@ mod tests {
             colour_depth: ColourDepth::Bits8,
             base: Rgb([128; 3]),
             solid: false,
+            room_vx: 0,
         };
         let mut document = Document::new(&new, Limits::default()).unwrap();
         for line in

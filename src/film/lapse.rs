@@ -84,6 +84,7 @@ fn is_step(command: &Command) -> bool {
         | CommandClass::Arrange
         | CommandClass::Whole
         | CommandClass::Orient
+        | CommandClass::Canvas
         | CommandClass::Travel => true,
         CommandClass::Stroke => *command == Command::Cancel,
         // The pose of a film is that of its last frame.

@@ -147,6 +147,7 @@ mod tests {
             colour_depth: ColourDepth::Bits24,
             base: Rgb::STONE,
             solid: true,
+            room_vx: 0,
         };
         Session::new(&new, Limits::default()).unwrap()
     }

@@ -47,7 +47,11 @@ fn place(ui: &mut Ui, context: &UiContext) {
         ui.strong(draw_progress::line(drawn, context));
         return;
     }
-    let text = |what: &str, at: glam::Vec3| format!("{what} {:.0} {:.0} {:.0}", at.x, at.y, at.z);
+    let origin = context.document.origin().as_vec3();
+    let text = |what: &str, at: glam::Vec3| {
+        let at = at + origin;
+        format!("{what} {:.0} {:.0} {:.0}", at.x, at.y, at.z)
+    };
     let (shown, tip) = match context.tool.kind {
         ToolKind::Brush(brush) if brush.spec().is_in_picture() => match context.pointed_vx {
             Some(at) => (text("Brush", at.as_vec3()), "Voxel under the pointer: x, y, z"),

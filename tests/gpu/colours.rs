@@ -76,6 +76,7 @@ fn the_copy_follows_paint_and_undo_in_frames_and_at_once() {
                 colour_depth,
                 base: Rgb::new(200, 200, 200),
                 solid: true,
+                room_vx: 0,
             };
             let mut document = Document::new(&new, Limits::default()).unwrap();
             let mut frames = Frames::new(device).unwrap();

@@ -31,6 +31,7 @@ fn document(dims: [u32; 3], solid: bool) -> Document {
         colour_depth: ColourDepth::None,
         base: Rgb::new(200, 200, 200),
         solid,
+        room_vx: 0,
     };
     Document::new(&new, Limits::default()).unwrap()
 }

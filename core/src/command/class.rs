@@ -25,6 +25,8 @@ pub enum CommandClass {
     Whole,
     /// Reorients the whole sculpture.
     Orient,
+    /// Moves the sides of the sculpture's box.
+    Canvas,
     /// Moves along the history.
     Travel,
     /// Fills the clipboard; changes nothing else.
@@ -54,6 +56,7 @@ impl Command {
             Command::Cut | Command::Move { .. } | Command::Array { .. } => CommandClass::Arrange,
             Command::Repair(_) | Command::Surface(_) => CommandClass::Whole,
             Command::Orient(_) => CommandClass::Orient,
+            Command::Canvas(_) => CommandClass::Canvas,
             Command::Undo { .. } | Command::Redo { .. } => CommandClass::Travel,
             Command::Copy => CommandClass::Copy,
             Command::Mark(_)

@@ -63,8 +63,8 @@ struct HelpRow {
 const TABLE: &[HelpRow] = &[
     HelpRow {
         verb: "new",
-        usage: "dims=X,Y,Z [size=SX,SY,SZ] [colour=0|8|16|24] [base=#rrggbb] [fill=solid|empty]",
-        tooltip: "Replace the sculpture with a new block of voxels",
+        usage: "dims=X,Y,Z [size=SX,SY,SZ] [colour=0|8|16|24] [base=#rrggbb] [fill=solid|empty] [room=VOXELS]",
+        tooltip: "Replace the sculpture with a new block of voxels, with empty room around it",
     },
     HelpRow {
         verb: "open",
@@ -205,6 +205,11 @@ const TABLE: &[HelpRow] = &[
         verb: "orient",
         usage: "upright=y|z|-z|-y|x|-x | axes=x,y,z",
         tooltip: "Rotate the whole sculpture so that an axis points up, or exchange and reverse its axes, such as axes=x,-z,y",
+    },
+    HelpRow {
+        verb: "canvas",
+        usage: "size dims=X,Y,Z | grow by=VOXELS [sides=x,-x,y,-y,z,-z] | crop | auto on|off",
+        tooltip: "Set the size of the sculpture's box, let it grow at some sides or all, crop it to the voxels in it, or let it grow with the tools",
     },
     HelpRow {
         verb: "remove-islands",

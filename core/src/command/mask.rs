@@ -1,6 +1,6 @@
 //! Changes that commands make to the mask, which protects voxels from all tools.
 
-use glam::{UVec3, Vec3};
+use glam::{IVec3, Vec3};
 
 use super::Area;
 use crate::sculpture::Rgb;
@@ -60,7 +60,7 @@ pub enum MaskArea {
     /// A patch of the surface.
     Patch {
         /// A voxel of it.
-        at: UVec3,
+        at: IVec3,
         /// The rule for its voxels.
         by: PatchRule,
         /// The depth below the surface to which voxels are protected.
@@ -69,7 +69,7 @@ pub enum MaskArea {
     /// All voxels connected to a voxel.
     Piece {
         /// The voxel.
-        at: UVec3,
+        at: IVec3,
     },
 }
 

@@ -22,6 +22,7 @@ use crate::tools::solid::{Primitive, Solid};
 
 mod arguments;
 mod brush;
+mod canvas;
 mod drawn_solid;
 mod export;
 mod import;
@@ -129,6 +130,7 @@ impl fmt::Display for Command {
             | Command::Array { .. }
             | Command::Orient(_)
             | Command::Surface(_) => selection::write(self, f),
+            Command::Canvas(change) => canvas::write(change, f),
             Command::Repair(repair) => repair::write(repair, f),
             Command::Undo { steps } | Command::Redo { steps } => match steps {
                 Some(n) => write!(f, " {n}"),
@@ -143,7 +145,8 @@ impl fmt::Display for Command {
 fn write_new(new: &NewSculpture, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     write!(f, " dims={} size={}", list(new.dims.to_array()), list(new.voxel_size.to_array()))?;
     let fill = if new.solid { "solid" } else { "empty" };
-    write!(f, " colour={} base={} fill={fill}", new.colour_depth.bits(), new.base)
+    write!(f, " colour={} base={} fill={fill}", new.colour_depth.bits(), new.base)?;
+    if new.room_vx > 0 { write!(f, " room={}", new.room_vx) } else { Ok(()) }
 }
 
 fn write_placement(p: &Placement, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -223,6 +226,7 @@ impl FromStr for Command {
             | "paste" | "move" | "array" | "orient" | "surface" => {
                 selection::parse(&verb, &mut args)?
             }
+            "canvas" => Command::Canvas(canvas::parse(&mut args)?),
             "remove-islands" | "fill-cavities" | "thicken" | "drain" => {
                 repair::parse(&verb, &mut args)?
             }
@@ -262,6 +266,7 @@ fn parse_new(args: &mut Arguments) -> Result<NewSculpture, ParseError> {
                 _ => Err("must be solid or empty".to_string()),
             })?
             .unwrap_or(true),
+        room_vx: args.optional("room", number)?.unwrap_or(0),
     })
 }
 

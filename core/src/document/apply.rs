@@ -22,19 +22,33 @@ use crate::tools::repair::{Repair, RepairPlan};
 
 /// Counters of changes. A refused command and a trial restore them: copies elsewhere then stay current, and a replay of
 /// the executed commands counts the same states.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct ChangeCounters {
     revision: u64,
     states: u64,
 }
 
 impl Document {
-    /// Executes a command. On an error nothing has changed.
+    /// Executes a command, whose coordinates are signed ones. On an error nothing has changed.
     pub fn apply(&mut self, command: &Command) -> Result<Applied, CommandError> {
+        let growth = self.grow_for(command);
+        let in_grid = command.translated(-self.target.origin());
+        let done = self.apply_in_grid(&in_grid);
+        if let Some(growth) = growth {
+            self.settle_growth(growth, &done);
+        }
+        if done.is_ok() && command.is_tool_use() {
+            self.strokes.note_use(command);
+        }
+        done
+    }
+
+    /// Executes a command in grid coordinates.
+    fn apply_in_grid(&mut self, command: &Command) -> Result<Applied, CommandError> {
         match command {
             Command::New(new) => {
                 self.require_no_stroke("new")?;
-                let contents = make_contents(new)?;
+                let contents = make_contents(new, self.limits())?;
                 self.replace(contents, "new").map(|()| Applied::default())
             }
             Command::Open { .. } | Command::Save { .. } | Command::Embed { .. } => {
@@ -100,6 +114,7 @@ impl Document {
                 let plan = plan_repair(&self.target.contents, repair, self.limits(), &())?;
                 self.put_repaired(&plan, repair, command)
             }
+            Command::Canvas(change) => self.change_canvas(change, command),
             Command::Surface(kind) => self.show_surface(*kind, command),
             Command::Undo { steps } => self.travel(Direction::Undo, *steps, None),
             Command::Redo { steps } => self.travel(Direction::Redo, *steps, None),
@@ -196,16 +211,14 @@ impl Document {
         Ok(applied)
     }
 
-    /// Uses a tool once and remembers it for arrays.
+    /// Uses a tool once.
     fn use_tool(
         &mut self,
         command: &Command,
         work: impl FnOnce(&mut Document) -> Result<EditStats, CommandError>,
     ) -> Result<Applied, CommandError> {
         let stats = work(self)?;
-        let applied = self.applied(stats, command)?;
-        self.strokes.note_use(command);
-        Ok(applied)
+        self.applied(stats, command)
     }
 
     fn brush(&mut self, used: &BrushUse) -> Result<EditStats, CommandError> {
@@ -266,10 +279,12 @@ impl Document {
         orientation: Orientation,
         command: &Command,
     ) -> Result<Applied, CommandError> {
-        let before = self.target.selection.marker();
+        let (before, origin) = (self.target.selection.marker(), self.target.origin());
         let stats = clipboard::move_marked(&mut self.target, by, orientation)?;
         let applied = self.applied(stats, command);
         if applied.is_err() {
+            // A growth of the box for this move has been taken back.
+            let before = before.shifted(origin - self.target.origin());
             self.target.selection.set_marker(before)?;
         }
         applied

@@ -2,7 +2,7 @@
 //!
 //! Takes the target and an area; returns counts of changes. Memory is checked before the first change.
 
-use glam::UVec3;
+use glam::IVec3;
 
 use super::CommandError;
 use super::edit_target::EditTarget;
@@ -60,7 +60,7 @@ fn tint_region(
     tint: &Tint,
 ) -> Result<EditStats, CommandError> {
     let (voxel_size, base) = (target.grid().voxel_size(), target.material().base());
-    let tinter = Tinter::new(tint, voxel_size, base);
+    let tinter = Tinter::new(tint, voxel_size, base).from_origin(target.origin());
     let painted = PaintedWith::AnyColours { keeps_base: tinter.keeps_base() };
     target.check_colour_memory(|is_close| target.colour_growth(region, painted, is_close))?;
     Ok(target.paint(region, |v, now| tinter.colour(v, now)))
@@ -69,7 +69,7 @@ fn tint_region(
 /// Recolours the patch of one colour on the surface around a voxel, and the patches around its mirror images.
 pub(super) fn flood(
     target: &mut EditTarget,
-    at: UVec3,
+    at: IVec3,
     colour: Rgb,
     tolerance: f32,
 ) -> Result<EditStats, CommandError> {

@@ -16,7 +16,7 @@ use crate::sculpture::bits_growth::bits_growth;
 use crate::sculpture::brick_set::BrickSet;
 use crate::sculpture::edit::{self, EditOp, EditStats};
 use crate::sculpture::edit_scope::{EditScope, ScopedRegion};
-use crate::sculpture::history::Contents;
+use crate::sculpture::history::{Contents, StepChange};
 use crate::sculpture::paint::paint_each;
 use crate::sculpture::region::{ListedBricks, Region};
 use crate::sculpture::selection::{BoxStack, Selection};
@@ -27,20 +27,27 @@ use crate::tools::symmetry::{Symmetry, SymmetryTransform};
 
 use memory::BitsInUse;
 
+mod canvas;
 mod memory;
 mod swap;
+
+pub(super) use canvas::SetAside;
 
 /// The contents that commands edit.
 #[derive(Debug)]
 pub(super) struct EditTarget {
     /// Shared with a save in progress; an edit during the save works on a copy, which costs nothing.
     pub contents: Arc<Contents>,
+    /// In grid coordinates.
     pub selection: Selection,
+    /// In signed coordinates, which stay what they are when the box grows.
     pub symmetry: Symmetry,
     pub limits: Limits,
     /// Rises with every change of voxels: a cheap test whether a copy is current.
     pub revision: u64,
     recorder: StrokeRecorder,
+    /// The changes of the open stroke before the recorded edits, in order: edits and growths.
+    earlier: Vec<StepChange>,
     dirty: BrickSet,
     bits: BitsInUse,
     /// Whether the whole sculpture has been replaced since changes were last published.
@@ -51,11 +58,12 @@ impl EditTarget {
     /// Creates a target with nothing selected or recorded.
     pub fn new(contents: Contents, limits: Limits) -> EditTarget {
         EditTarget {
-            selection: Selection::new(contents.grid.dims()),
+            selection: Selection::of(&contents.frame),
             symmetry: Symmetry::default(),
             limits,
             revision: 0,
             recorder: StrokeRecorder::default(),
+            earlier: Vec::new(),
             dirty: BrickSet::default(),
             bits: BitsInUse::default(),
             all_dirty: true,
@@ -78,7 +86,7 @@ impl EditTarget {
 
     /// Returns the images of tools under the present symmetry, the identity first.
     pub fn images(&self) -> Vec<SymmetryTransform> {
-        self.symmetry.images(self.grid().dims(), self.grid().voxel_size())
+        self.symmetry.images_in(&self.contents.frame, self.grid().voxel_size())
     }
 
     /// Returns the selected boxes; an error if there are none.

@@ -2,13 +2,14 @@
 
 use std::path::PathBuf;
 
-use glam::UVec3;
+use glam::IVec3;
 use thiserror::Error;
 
 use super::strokes::MAX_REPEATED;
 use crate::refusal::{InvalidValue, OverBudget};
 use crate::sculpture::GridError;
 use crate::sculpture::orient::OrientError;
+use crate::sculpture::reframe::CanvasError;
 use crate::sculpture::selection::MAX_BOXES;
 use crate::tools::repair::RepairError;
 
@@ -64,7 +65,7 @@ pub enum CommandError {
     Invalid(#[from] InvalidValue),
     /// No voxel of the surface is there to flood from.
     #[error("there is no voxel of the surface at {0}; name one that can be seen")]
-    NotOnSurface(UVec3),
+    NotOnSurface(IVec3),
     /// The image to paint with is not known to the document.
     #[error("the image {0} has not been loaded")]
     NoPicture(PathBuf),
@@ -77,6 +78,9 @@ pub enum CommandError {
     /// The marker's box has no voxels to work on.
     #[error("the marker contains no voxels{0}; move or resize it first")]
     NothingMarked(&'static str),
+    /// The box cannot be cropped to nothing.
+    #[error("the sculpture has no voxels to crop the canvas to; add some first")]
+    NothingToCrop,
     /// The clipboard is empty.
     #[error("there is nothing to paste; copy or cut something first")]
     NothingToPaste,
@@ -96,6 +100,16 @@ impl From<RepairError> for CommandError {
             RepairError::Cancelled => CommandError::Cancelled,
             RepairError::Invalid(error) => CommandError::Invalid(error),
             RepairError::OverBudget(over) => CommandError::OverBudget(over),
+        }
+    }
+}
+
+impl From<CanvasError> for CommandError {
+    fn from(error: CanvasError) -> CommandError {
+        match error {
+            CanvasError::Grid(error) => CommandError::Grid(error),
+            CanvasError::OverBudget(over) => CommandError::OverBudget(over),
+            CanvasError::Invalid(error) => CommandError::Invalid(error),
         }
     }
 }

@@ -3,7 +3,7 @@
 //!
 //! Takes the target without changing it. Returns voxels, or the reason why a number or a place is refused.
 
-use glam::UVec3;
+use glam::{IVec3, UVec3};
 
 use super::CommandError;
 use super::edit_target::EditTarget;
@@ -30,7 +30,7 @@ pub(super) fn voxels_of_colour(
 /// Returns the patch of the surface around a voxel, and the patches around its mirror images.
 pub(super) fn patch(
     target: &EditTarget,
-    at: UVec3,
+    at: IVec3,
     by: PatchRule,
 ) -> Result<ListedBricks, CommandError> {
     match by {
@@ -51,7 +51,7 @@ pub(super) fn patch(
 }
 
 /// Returns the pieces of a voxel and of its mirror images.
-pub(super) fn piece_at(target: &EditTarget, at: UVec3) -> Result<ListedBricks, CommandError> {
+pub(super) fn piece_at(target: &EditTarget, at: IVec3) -> Result<ListedBricks, CommandError> {
     let grid = target.grid();
     let starts = surface_images(target, at)?;
     let found =
@@ -61,10 +61,10 @@ pub(super) fn piece_at(target: &EditTarget, at: UVec3) -> Result<ListedBricks, C
 }
 
 /// Returns a voxel of the surface, and its mirror images that belong to the surface.
-pub(super) fn surface_images(target: &EditTarget, at: UVec3) -> Result<Vec<UVec3>, CommandError> {
+pub(super) fn surface_images(target: &EditTarget, at: IVec3) -> Result<Vec<UVec3>, CommandError> {
     let grid = target.grid();
-    if at.cmpge(grid.dims()).any() || !flood::is_on_surface(grid, at.as_ivec3()) {
-        return Err(CommandError::NotOnSurface(at));
+    if !grid.contains(at) || !flood::is_on_surface(grid, at) {
+        return Err(CommandError::NotOnSurface(at.saturating_add(target.origin())));
     }
     let centre = at.as_vec3() + 0.5;
     let images = target.images().into_iter();

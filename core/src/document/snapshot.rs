@@ -64,14 +64,14 @@ impl DocumentSnapshot {
 }
 
 fn settings_of(document: &Document) -> Vec<Command> {
-    let selection = document.selection();
+    let (selection, origin) = (document.selection(), document.origin());
     let mut settings =
         vec![Command::Place(document.placement), Command::Symmetry(document.symmetry())];
     for selected in selection.boxes() {
         let op = if selected.adds { SelectOp::Add } else { SelectOp::Subtract };
-        settings.extend([Command::Mark(selected.bounds), Command::Select(op)]);
+        settings.extend([Command::Mark(selected.bounds.shifted(origin)), Command::Select(op)]);
     }
-    settings.push(Command::Mark(selection.marker()));
+    settings.push(Command::Mark(selection.marker().shifted(origin)));
     settings.push(Command::Limit(selection.limits()));
     settings.push(Command::Irreversible(document.timeline.irreversible));
     settings

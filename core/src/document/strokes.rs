@@ -22,7 +22,7 @@ pub(super) struct Strokes {
     label: Option<String>,
     /// The grid before the first spray of the open stroke that works on that surface.
     surface: Option<Box<Grid>>,
-    /// The tool uses so far in the open stroke; empty while none is open. A use that replaces the earlier ones of its
+    /// The tool uses so far in the open stroke, with signed coordinates; empty while none is open. A use that replaces the earlier ones of its
     /// stroke replaces them here, too. Holds at most one more than [`MAX_REPEATED`].
     uses: Vec<Command>,
     /// The tool uses that an array would repeat: those of the last ended stroke in which a tool was used, the one of a
@@ -66,6 +66,16 @@ impl Strokes {
     /// Returns the surface at the beginning of the stroke, if it was kept.
     pub fn surface(&self) -> Option<&Grid> {
         self.surface.as_deref()
+    }
+
+    /// Returns an open stroke with a surface of its own.
+    pub fn with_surface(surface: Option<Grid>) -> Strokes {
+        Strokes { label: Some(String::new()), surface: surface.map(Box::new), ..Strokes::default() }
+    }
+
+    /// Replaces the surface at the beginning of the stroke, since the box has moved, and returns the former one.
+    pub fn swap_surface(&mut self, surface: Option<Grid>) -> Option<Grid> {
+        std::mem::replace(&mut self.surface, surface.map(Box::new)).map(|former| *former)
     }
 
     /// Keeps the present surface for the rest of the open stroke, unless an earlier one is kept.

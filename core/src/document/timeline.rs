@@ -12,7 +12,6 @@ use super::CommandError;
 use crate::sculpture::history::{
     Contents, History, HistorySnapshot, State, Step, StepChange, StepStore,
 };
-use crate::sculpture::record::BrickRecord;
 
 mod travel;
 
@@ -97,9 +96,9 @@ impl Timeline {
     }
 
     /// Makes an undo step of the recorded edits that have led to the current state, if there are any.
-    pub fn push_edits(&mut self, label: String, record: BrickRecord) {
-        if !record.is_empty() {
-            self.settle(label, StepChange::Bricks(record));
+    pub fn push_edits(&mut self, label: String, edits: Option<StepChange>) {
+        if let Some(change) = edits {
+            self.settle(label, change);
         }
     }
 

@@ -70,6 +70,7 @@ fn can_be_tried(command: &Command) -> bool {
         | CommandClass::Arrange
         | CommandClass::Whole
         | CommandClass::Orient
+        | CommandClass::Canvas
         | CommandClass::Travel
         | CommandClass::Copy
         | CommandClass::Setting => false,

@@ -5,6 +5,7 @@
 use glam::{IVec3, UVec3};
 
 use super::brick::{BRICK_EDGE_VX, local_index};
+use super::canvas_frame::{Canvas, CanvasFrame};
 use super::colour::{ColourDepth, Rgb};
 use super::grid::Grid;
 use super::material::Material;
@@ -33,7 +34,7 @@ impl SurfaceKind {
     }
 }
 
-/// All that undo restores: existence bits, colours, the mask and the kind of surface.
+/// All that undo restores: existence bits, colours, the mask, the kind of surface and the frame of the canvas.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Contents {
     /// Which voxels exist.
@@ -45,18 +46,26 @@ pub struct Contents {
     pub mask: Option<Box<Grid>>,
     /// The form in which nearby voxels are shown.
     pub surface: SurfaceKind,
+    /// Where the grid lies in signed coordinates.
+    pub frame: CanvasFrame,
 }
 
 impl Contents {
     /// Returns contents of bits and colours with nothing protected.
     pub fn new(grid: Grid, material: Material) -> Contents {
-        Contents { grid, material, mask: None, surface: SurfaceKind::default() }
+        let frame = CanvasFrame::of(grid.dims());
+        Contents { grid, material, mask: None, surface: SurfaceKind::default(), frame }
     }
 
     /// Returns a grid as contents without colours or a mask of its own.
     pub(crate) fn of_bits(grid: Grid) -> Contents {
         let material = Material::for_grid(&grid, ColourDepth::None, Rgb::default());
         Contents::new(grid, material)
+    }
+
+    /// Returns the box of the sculpture.
+    pub fn canvas(&self) -> Canvas {
+        Canvas { dims: self.grid.dims(), frame: self.frame }
     }
 
     /// Returns whether the voxel at `v` is protected.

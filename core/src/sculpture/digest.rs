@@ -48,7 +48,7 @@ impl Digest {
 
     /// Returns the digest of a sculpture.
     pub fn of(contents: &Contents) -> Digest {
-        let Contents { grid, material, mask, surface } = contents;
+        let Contents { grid, material, mask, surface, frame } = contents;
         let mut hasher = Sha256::new();
         hasher.update(b"virtual-sculpture 1");
         grid.dims().to_array().iter().for_each(|edge| hasher.update(&edge.to_le_bytes()));
@@ -70,6 +70,11 @@ impl Digest {
         match surface {
             SurfaceKind::Smooth => {}
             SurfaceKind::Cubes => hasher.update(&[4]),
+        }
+        if !contents.canvas().is_plain() {
+            hasher.update(&[5, u8::from(frame.grows)]);
+            frame.origin.to_array().iter().for_each(|at| hasher.update(&at.to_le_bytes()));
+            frame.home.to_array().iter().for_each(|edge| hasher.update(&edge.to_le_bytes()));
         }
         hasher.finish()
     }

@@ -20,7 +20,7 @@ pub(in crate::sculpture) use self::node::LEAF_BYTES;
 use self::node::TreeNode;
 use super::brick::{BRICK_EDGE_VX, Brick};
 pub(in crate::sculpture) use super::brick_set::LeafKey;
-use super::region::BrickBox;
+use super::region::{BoxCoverage, BrickBox, Region as _, VoxelBox};
 use crate::refusal::{InvalidValue, MemoryBudget, OverBudget};
 
 mod build;
@@ -30,6 +30,7 @@ mod lend;
 mod node;
 mod parts;
 mod read;
+mod reframe;
 mod spans;
 mod visit;
 mod walls;
@@ -47,6 +48,7 @@ pub(crate) use parts::{
     GridPart, NodeView, box_mask, bricks_beside_empty, for_each_part, indices, surface_leaves,
     uniform_in,
 };
+pub(in crate::sculpture) use reframe::reframed;
 pub(crate) use spans::BrickSpans;
 
 pub use walls::voxels_at_walls;
@@ -293,9 +295,14 @@ impl Grid {
         self.root = build::tree_of_bricks(self.extent, self.levels, &f);
     }
 
-    /// Makes all voxels exist.
-    pub fn fill(&mut self) {
-        self.fill_cubes(|_| Some(true), |_| Brick::FULL);
+    /// Makes the voxels of a box exist, and no others.
+    pub(crate) fn fill_box(&mut self, voxels: VoxelBox) {
+        let whole = |cube: BrickBox| match voxels.coverage(cube.voxels()) {
+            BoxCoverage::None => Some(false),
+            BoxCoverage::Part => None,
+            BoxCoverage::All => Some(true),
+        };
+        self.fill_cubes(whole, |b| voxels.in_brick(b));
     }
 
     /// Sets all bricks, in parallel, as [`Grid::fill_bricks`] does; but asks `whole` about each cube of the tree first, the
@@ -409,7 +416,7 @@ pub(crate) mod tests {
         for edge in [1, 64, 511, 1024, 1625, 4095, 4096] {
             let mut grid = Grid::of_size(UVec3::splat(edge), Vec3::ONE).unwrap();
             assert!(grid.heap_bytes() <= 1024, "{} bytes", grid.heap_bytes());
-            grid.fill();
+            grid.fill_box(VoxelBox::of_grid(&grid));
             assert!(grid.heap_bytes() <= 1024, "{} bytes", grid.heap_bytes());
             assert_eq!(grid.opaque_count(), u64::from(edge).pow(3));
             check(&grid);

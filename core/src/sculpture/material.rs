@@ -23,6 +23,7 @@ mod page;
 mod paint;
 mod palette;
 mod read;
+mod reframe;
 mod replace;
 #[cfg(test)]
 mod tests;
@@ -33,6 +34,7 @@ pub(crate) use node::PaintedChild;
 pub use page::{MAX_PAGE_BYTES, PackedColour, Page, PageView};
 pub(in crate::sculpture) use paint::Painted;
 pub use read::PageReader;
+pub(in crate::sculpture) use reframe::reframed;
 pub(crate) use replace::KeptLeaf;
 
 /// Colour per voxel, stored only where painted.

@@ -93,7 +93,7 @@ impl<'a> Reorientation<'a> {
     /// # Errors
     /// If the result needs more memory than `limits` allow, or `progress` is cancelled.
     pub fn run(&self, limits: &Limits, progress: &dyn Progress) -> Result<Contents, OrientError> {
-        let Contents { grid, material, mask, surface } = self.from;
+        let Contents { grid, material, mask, surface, frame } = self.from;
         let voxel_size = Vec3::from(self.orientation.permuted(grid.voxel_size().to_array()));
         Grid::check_size(self.dims(), voxel_size)?;
         self.check_bits_memory(limits.grid_bytes)?;
@@ -135,7 +135,9 @@ impl<'a> Reorientation<'a> {
         match progress.is_cancelled() {
             true => Err(OrientError::Cancelled),
             false => {
-                let mut laid = Contents { surface: *surface, ..Contents::new(turned, colours) };
+                let frame = frame.oriented(self.orientation, grid.dims());
+                let laid = Contents::new(turned, colours);
+                let mut laid = Contents { surface: *surface, frame, ..laid };
                 if let Some(mask) = mask {
                     let bits = Contents::of_bits((**mask).clone());
                     let turned = Reorientation::new(&bits, self.orientation).run(limits, &())?;

@@ -4,14 +4,16 @@ use std::fmt::Display;
 
 use glam::{Affine3A, Quat, UVec3, Vec3};
 
+use super::canvas_frame::CanvasFrame;
 use crate::refusal::InvalidValue;
 
-/// Rotation about the grid's centre, scale, then translation of that centre.
+/// Rotation about the centre of the home box, scale, then translation of that centre. The home box is that with which
+/// the sculpture began: the grid itself, unless it has grown.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Placement {
-    /// Rotation about the grid's centre.
+    /// Rotation about that centre.
     pub rotation: Quat,
-    /// World position of the grid's centre.
+    /// World position of that centre.
     pub translation: Vec3,
     /// World units per unit of voxel size.
     pub scale: f32,
@@ -36,14 +38,24 @@ impl Placement {
         check(scale.is_finite() && scale > 0.0, "scale", &scale)
     }
 
-    /// Maps grid coordinates (in voxels; voxel (x,y,z) covers [x,x+1) etc.) to the world: the centre moves to the
-    /// origin, then the grid is scaled by the voxel size, rotated and translated.
+    /// Maps grid coordinates (in voxels; voxel (x,y,z) covers [x,x+1) etc.) to the world, for a grid of `dims` voxels
+    /// that has not grown: the centre moves to the origin, then the grid is scaled by the voxel size, rotated and
+    /// translated.
     pub fn world_from_grid(&self, dims: UVec3, voxel_size: Vec3) -> Affine3A {
+        self.world_from_centred(dims.as_vec3() * 0.5, voxel_size)
+    }
+
+    /// Maps grid coordinates to the world, for a grid in a frame: the centre of the home box moves to the origin.
+    pub fn world_from_framed(&self, frame: &CanvasFrame, voxel_size: Vec3) -> Affine3A {
+        self.world_from_centred(frame.centre_vx(), voxel_size)
+    }
+
+    fn world_from_centred(&self, centre_vx: Vec3, voxel_size: Vec3) -> Affine3A {
         Affine3A::from_scale_rotation_translation(
             voxel_size * self.scale,
             self.rotation,
             self.translation,
-        ) * Affine3A::from_translation(dims.as_vec3() * -0.5)
+        ) * Affine3A::from_translation(-centre_vx)
     }
 }
 

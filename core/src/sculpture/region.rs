@@ -33,6 +33,11 @@ impl VoxelBox {
         VoxelBox { min: self.min.max(other.min), max: self.max.min(other.max) }
     }
 
+    /// Returns the box moved by a number of voxels.
+    pub fn shifted(self, by: IVec3) -> VoxelBox {
+        VoxelBox { min: self.min.saturating_add(by), max: self.max.saturating_add(by) }
+    }
+
     /// Returns whether the box holds no voxel.
     pub fn is_empty(self) -> bool {
         !self.min.cmplt(self.max).all()
@@ -41,6 +46,20 @@ impl VoxelBox {
     /// Returns the size in voxels; 0 on an axis where `max` is below `min`.
     pub fn size(self) -> UVec3 {
         self.max.saturating_sub(self.min).max(IVec3::ZERO).as_uvec3()
+    }
+
+    /// Returns its voxels in the brick at `b`.
+    pub fn in_brick(self, b: UVec3) -> Brick {
+        let edge = BRICK_EDGE_VX as i32;
+        let first = b.as_ivec3() * edge;
+        let local = |v: IVec3| (v - first).clamp(IVec3::ZERO, IVec3::splat(edge)).as_uvec3();
+        let (low, high) = (local(self.min), local(self.max));
+        let below = (0..3).fold(Brick::EMPTY, |below, axis| {
+            let mut limit = [BRICK_EDGE_VX; 3];
+            limit[axis] = low[axis];
+            below.or(&Brick::below(limit))
+        });
+        Brick::below(high.to_array()).and_not(&below)
     }
 
     /// Returns whether the voxel `v` is in the box.
@@ -153,6 +172,12 @@ impl BrickBox {
             min: bounds.min.as_uvec3() / BRICK_EDGE_VX,
             max: (bounds.max.as_uvec3() + (BRICK_EDGE_VX - 1)) / BRICK_EDGE_VX,
         })
+    }
+
+    /// Returns the voxels of the bricks, those beyond a grid's border included.
+    pub fn voxels(self) -> VoxelBox {
+        let edge = BRICK_EDGE_VX;
+        VoxelBox { min: (self.min * edge).as_ivec3(), max: (self.max * edge).as_ivec3() }
     }
 
     /// Returns the number of bricks in the box.

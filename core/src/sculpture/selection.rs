@@ -7,6 +7,7 @@ use fearless_simd::Simd;
 use glam::{IVec3, UVec3};
 
 use super::brick::Brick;
+use super::canvas_frame::CanvasFrame;
 use super::orientation::Orientation;
 use super::region::{BoxCoverage, BoxRow, Region, RowReach, VoxelBox};
 use crate::refusal::InvalidValue;
@@ -48,6 +49,24 @@ impl Selection {
             stack: BoxStack::default(),
             limits: false,
         }
+    }
+
+    /// Returns the selection for a sculpture in a frame: the marker in the middle of the home box.
+    pub fn of(frame: &CanvasFrame) -> Selection {
+        Selection::new(frame.home).shifted(-frame.origin)
+    }
+
+    /// Returns the boxes moved by a number of voxels, as far as they stay within reach.
+    pub fn shifted(&self, by: IVec3) -> Selection {
+        let limit = IVec3::splat(MARKER_LIMIT_VX);
+        let moved = |bounds: VoxelBox| {
+            let moved = bounds.shifted(by);
+            let low = moved.min.clamp(-limit, limit - 1);
+            VoxelBox { min: low, max: moved.max.clamp(low + 1, limit) }
+        };
+        let boxes = self.stack.0.iter();
+        let stack = boxes.map(|b| SelectedBox { bounds: moved(b.bounds), adds: b.adds }).collect();
+        Selection { marker: moved(self.marker), stack: BoxStack(stack), limits: self.limits }
     }
 
     /// Returns the marker's box.

@@ -16,6 +16,7 @@ fn a_picture_is_read_anew_with_every_stroke() {
         colour_depth: ColourDepth::Bits24,
         base: Rgb([128; 3]),
         solid: true,
+        room_vx: 0,
     };
     let mut session = Session::new(&new, Limits::default()).unwrap();
     let paint = format!("texture \"{}\" cuboid at=8,8,8 half=4", path.display());
@@ -49,6 +50,7 @@ fn ball(voxels: u32) -> Session {
         colour_depth: ColourDepth::Bits24,
         base: Rgb([128; 3]),
         solid: true,
+        room_vx: 0,
     };
     Session::new(&new, Limits::default()).unwrap()
 }

@@ -33,7 +33,10 @@ pub struct Work {
 
 #[derive(Debug)]
 pub(super) enum Task {
-    New(NewSculpture),
+    New {
+        new: NewSculpture,
+        limits: Limits,
+    },
     Orient {
         orientation: Orientation,
         contents: Arc<Contents>,
@@ -118,7 +121,9 @@ impl Work {
     pub fn run(self, progress: &dyn Progress) -> Result<FinishedWork, SessionError> {
         let began = Instant::now();
         let outcome = match self.task {
-            Task::New(new) => WorkOutcome::New(Box::new(document::make_contents(&new)?)),
+            Task::New { new, limits } => {
+                WorkOutcome::New(Box::new(document::make_contents(&new, &limits)?))
+            }
             Task::Orient { orientation, contents, limits, state } => {
                 let contents =
                     document::orient_contents(&contents, orientation, &limits, progress)?;

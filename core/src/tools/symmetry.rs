@@ -7,6 +7,7 @@
 use glam::{DMat3, DQuat, DVec3, IVec3, Mat3, Quat, UVec3, Vec3};
 
 use crate::refusal::InvalidValue;
+use crate::sculpture::canvas_frame::CanvasFrame;
 use crate::sculpture::orientation::Orientation;
 
 /// The position of a mirror plane relative to the voxels.
@@ -183,6 +184,35 @@ impl Symmetry {
     }
 }
 
+impl Symmetry {
+    /// Returns the positions of the axis-aligned planes, in the coordinates of a grid in `frame`.
+    pub fn planes_in(&self, frame: &CanvasFrame) -> [Option<f32>; 3] {
+        let origin = frame.origin.as_vec3();
+        let mut planes = self.planes(frame.home);
+        planes.iter_mut().enumerate().for_each(|(axis, plane)| {
+            *plane = plane.map(|at| at - origin[axis]);
+        });
+        planes
+    }
+
+    /// Returns all images in the coordinates of a grid in `frame`, as [`Symmetry::images`] does.
+    pub fn images_in(&self, frame: &CanvasFrame, voxel_size: Vec3) -> Vec<SymmetryTransform> {
+        let images = self.images(frame.home, voxel_size);
+        match frame.origin {
+            IVec3::ZERO => images,
+            origin => images.iter().map(|image| image.shifted(-origin)).collect(),
+        }
+    }
+
+    /// Returns the symmetry moved by a number of voxels, but for the planes of the axes.
+    pub fn shifted(&self, by: IVec3) -> Symmetry {
+        let by = by.as_vec3();
+        let plane = |plane: MirrorPlane| MirrorPlane { at_vx: plane.at_vx + by, ..plane };
+        let radial = |radial: Radial| Radial { at_vx: radial.at_vx + by, ..radial };
+        Symmetry { axes: self.axes, plane: self.plane.map(plane), radial: self.radial.map(radial) }
+    }
+}
+
 impl Radial {
     /// Returns the planes of `image` with two more if the `k`th turn is half a turn about a grid axis. Such a turn
     /// equals two mirror planes, and is as exact.
@@ -263,6 +293,20 @@ impl SymmetryTransform {
     /// Creates a reflection at the planes (voxel coordinates) of the axes that have one.
     pub const fn of_planes(planes: [Option<f32>; 3]) -> SymmetryTransform {
         SymmetryTransform { planes, moved: None }
+    }
+
+    /// Returns the same image in coordinates that are larger by `by` voxels.
+    fn shifted(&self, by: IVec3) -> SymmetryTransform {
+        let by = by.as_dvec3();
+        let mut shifted = *self;
+        for (axis, plane) in shifted.planes.iter_mut().enumerate() {
+            *plane = plane.map(|at| (f64::from(at) + by[axis]) as f32);
+        }
+        shifted.moved = self.moved.map(|Move { linear, offset, stretch }| {
+            let by = by * stretch;
+            Move { linear, offset: offset + by - linear * by, stretch }
+        });
+        shifted
     }
 
     fn then(&self, next: Move) -> SymmetryTransform {

@@ -2,7 +2,7 @@
 //!
 //! Takes voxels and their present colours; gives their new ones. Knows no document and changes nothing.
 
-use glam::{UVec3, Vec3};
+use glam::{IVec3, UVec3, Vec3};
 
 use crate::refusal::InvalidValue;
 use crate::sculpture::Rgb;
@@ -106,7 +106,11 @@ impl Tint {
 }
 
 /// A tint, prepared for many voxels of a grid.
-pub struct Tinter(PreparedTint);
+pub struct Tinter {
+    tint: PreparedTint,
+    /// The signed coordinates of the grid's first voxel, to which the patches of noise are fixed.
+    origin: Vec3,
+}
 
 enum PreparedTint {
     Adjust {
@@ -135,7 +139,7 @@ impl Tinter {
     /// Prepares `tint` for a sculpture of voxels of this size, most of them of the colour `base`.
     pub fn new(tint: &Tint, voxel_size: Vec3, base: Rgb) -> Tinter {
         let edges = voxel_size / voxel_size.min_element();
-        Tinter(match *tint {
+        let tint = match *tint {
             Tint::Adjust { hue_deg, saturation, value } => {
                 let change = [hue_deg, saturation, value];
                 PreparedTint::Adjust { change, base: [base, adjusted(base, change)] }
@@ -153,12 +157,18 @@ impl Tinter {
             Tint::Noise { colour, size, amount, seed } => {
                 PreparedTint::Noise { colour, scale: edges / size, amount, seed }
             }
-        })
+        };
+        Tinter { tint, origin: Vec3::ZERO }
+    }
+
+    /// Returns the same for a grid whose first voxel has these signed coordinates.
+    pub(crate) fn from_origin(self, origin: IVec3) -> Tinter {
+        Tinter { origin: origin.as_vec3(), ..self }
     }
 
     /// Returns whether voxels of the base colour are certain to keep it.
     pub(crate) fn keeps_base(&self) -> bool {
-        match &self.0 {
+        match &self.tint {
             PreparedTint::Adjust { base: [base, adjusted], .. } => base == adjusted,
             PreparedTint::Gradient { strength: share, .. }
             | PreparedTint::Noise { amount: share, .. } => *share == 0.0,
@@ -168,7 +178,7 @@ impl Tinter {
     /// Returns the new colour of the voxel `v`.
     pub fn colour(&self, v: UVec3, now: Rgb) -> Rgb {
         let centre = v.as_vec3() + 0.5;
-        match &self.0 {
+        match &self.tint {
             PreparedTint::Adjust { change, base: [base, adjusted_base] } => match now == *base {
                 true => *adjusted_base,
                 false => adjusted(now, *change),
@@ -179,7 +189,7 @@ impl Tinter {
                 blended(now, colour, *strength)
             }
             PreparedTint::Noise { colour, scale, amount, seed } => {
-                blended(now, *colour, amount * noise(centre * scale, *seed))
+                blended(now, *colour, amount * noise((centre + self.origin) * scale, *seed))
             }
         }
     }
@@ -298,10 +308,10 @@ const GRADIENTS: [Vec3; 16] = [
 /// Returns gradient noise at a non-negative position, about -1 to 1. (Perlin, "Improving noise", 2002, with hashes for
 /// its table.)
 fn gradient_noise(p: Vec3, seed: u32) -> f32 {
-    let cell = p.as_uvec3();
-    let within = p - cell.as_vec3();
+    let cell = p.floor();
+    let within = p - cell;
     let fade = within * within * within * (within * (within * 6.0 - 15.0) + 10.0);
-    let [x, y, z] = cell.to_array();
+    let [x, y, z] = cell.as_ivec3().as_uvec3().to_array();
     // The contribution of each axis to the hashes of the corners at its lower and upper end.
     let ends =
         |i: u32, factor: u32| [i.wrapping_mul(factor), (i.wrapping_add(1)).wrapping_mul(factor)];

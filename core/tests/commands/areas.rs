@@ -27,6 +27,7 @@ fn document(dims: [u32; 3], solid: bool) -> Document {
         colour_depth: ColourDepth::Bits24,
         base: Rgb::STONE,
         solid,
+        room_vx: 0,
     };
     Document::new(&new, Limits::default()).unwrap()
 }

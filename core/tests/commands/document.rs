@@ -208,6 +208,7 @@ proptest! {
 
 pub fn painted(dims: UVec3, depth: ColourDepth, solid: bool) -> NewSculpture {
     NewSculpture {
+        room_vx: 0,
         dims,
         voxel_size: Vec3::ONE,
         colour_depth: depth,

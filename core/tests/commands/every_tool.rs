@@ -64,6 +64,7 @@ fn document(fill: &[&str], solid: bool) -> Document {
         colour_depth: ColourDepth::Bits24,
         base: Rgb::STONE,
         solid,
+        room_vx: 0,
     };
     let mut document = Document::new(&new, Limits::default()).unwrap();
     let stripes = (0..64).map(|i| if i % 8 < 4 { Rgb::STONE } else { Rgb::new(1, 2, 3) });

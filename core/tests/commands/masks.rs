@@ -19,11 +19,11 @@ use super::uses::{self, Place};
 /// Returns changes of the mask, with solids, voxels, numbers and lengths from the given strategies.
 pub fn mask(
     drawn: impl Strategy<Value = DrawnSolid>,
-    voxel: std::ops::Range<u32>,
+    voxel: std::ops::Range<i32>,
     number: impl Strategy<Value = f32> + Clone,
     length: std::ops::Range<u32>,
 ) -> impl Strategy<Value = MaskChange> {
-    let at = || prop::array::uniform3(voxel.clone()).prop_map(UVec3::from);
+    let at = || prop::array::uniform3(voxel.clone()).prop_map(IVec3::from);
     let rule = prop_oneof![
         number.clone().prop_map(PatchRule::Colour),
         number.clone().prop_map(PatchRule::Flat),
@@ -60,6 +60,7 @@ fn document() -> Document {
         colour_depth: ColourDepth::Bits24,
         base: Rgb::STONE,
         solid: false,
+        room_vx: 0,
     };
     let mut document = Document::new(&new, Limits::default()).unwrap();
     let stripes = (0..64).map(|i| if i % 8 < 4 { Rgb::STONE } else { Rgb::new(1, 2, 3) });
@@ -403,6 +404,7 @@ fn invalid_masks_are_refused() {
         colour_depth: ColourDepth::None,
         base: Rgb::STONE,
         solid: true,
+        room_vx: 0,
     };
     let limits = Limits { grid_bytes: 4 << 10, ..Limits::default() };
     let mut small = Document::new(&new, limits).unwrap();

@@ -3,6 +3,7 @@
 mod areas;
 mod brushes;
 mod budget;
+mod canvas;
 mod clay;
 mod document;
 pub mod drawn_solids;

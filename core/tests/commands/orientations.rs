@@ -104,6 +104,7 @@ fn solids_and_their_mirror_images_equal_whole_numbers_in_all_48_orientations() {
                     colour_depth: ColourDepth::None,
                     base: Rgb::STONE,
                     solid: filled,
+                    room_vx: 0,
                 };
                 let grid = grid_with(&new, symmetry, op, primitive);
                 let planes = symmetry.axes.map(|parity| match parity {

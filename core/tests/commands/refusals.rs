@@ -15,7 +15,9 @@ use sculpture_core::tools::symmetry::Symmetry;
 
 use super::brushes::{self, Parts, brush_use};
 use super::drawn_solids::drawn_solid;
-use super::strategies::{any_command, area_work, new_sculpture, op, orientation, work};
+use super::strategies::{
+    any_command, area_work, canvas_change, new_sculpture, op, orientation, work,
+};
 
 /// Everything that a command can change.
 #[derive(PartialEq, Debug)]
@@ -132,6 +134,7 @@ fn hostile() -> impl Strategy<Value = Command> {
                 colour_depth: ColourDepth::Bits16,
                 base: Rgb::STONE,
                 solid: true,
+                room_vx: 0,
             })
         });
     prop_oneof![
@@ -162,7 +165,13 @@ proptest! {
     fn a_refused_command_changes_nothing_and_undo_restores(
         new in new_sculpture(16),
         commands in prop::collection::vec(
-            prop_oneof![2 => work(), 4 => area_work(), 5 => hostile(), 2 => any_command()],
+            prop_oneof![
+                2 => work(),
+                4 => area_work(),
+                5 => hostile(),
+                2 => any_command(),
+                2 => canvas_change(0u32..9).prop_map(Command::Canvas),
+            ],
             1..40,
         ),
         tight in any::<bool>(),
@@ -239,6 +248,7 @@ fn solids_beyond_a_million_voxels_are_refused_as_those_that_are_drawn_are() {
         colour_depth: ColourDepth::Bits24,
         base: Rgb::STONE,
         solid: true,
+        room_vx: 0,
     };
     let mut document = Document::new(&new, Limits::default()).unwrap();
     let before = State::of(&document);

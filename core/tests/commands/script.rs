@@ -110,6 +110,7 @@ fn scripts_have_the_same_result_as_their_commands() {
         colour_depth: ColourDepth::None,
         base: Rgb::default(),
         solid: true,
+        room_vx: 0,
     };
     let mut document = Document::new(&new, Limits::default()).unwrap();
     for (line, command) in parse_script(script).unwrap() {

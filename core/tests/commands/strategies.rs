@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use glam::{EulerRot, IVec3, Quat, UVec3, Vec3};
 use proptest::prelude::*;
-use sculpture_core::command::{Area, Command, NewSculpture, SelectOp};
+use sculpture_core::command::{Area, CanvasChange, Command, NewSculpture, SelectOp};
+use sculpture_core::sculpture::canvas_frame::CanvasSides;
 use sculpture_core::sculpture::edit::EditOp;
 use sculpture_core::sculpture::history::SurfaceKind;
 use sculpture_core::sculpture::orientation::Orientation;
@@ -77,6 +78,7 @@ pub fn new_sculpture(longest_vx: u32) -> impl Strategy<Value = NewSculpture> {
             colour_depth,
             base,
             solid,
+            room_vx: 0,
         })
 }
 
@@ -187,7 +189,7 @@ pub fn area_work() -> impl Strategy<Value = Command> {
         2 => area().prop_map(|area| Command::Clear { area }),
         2 => (area(), colour()).prop_map(|(area, colour)| Command::Dye { area, colour }),
         3 => (area(), tint()).prop_map(|(area, tint)| Command::Tint { area, tint }),
-        2 => (prop::array::uniform3(0u32..24), colour(), 0.0f32..1.0).prop_map(
+        2 => (prop::array::uniform3(0i32..24), colour(), 0.0f32..1.0).prop_map(
             |(at, colour, tolerance)| Command::Flood { at: at.into(), colour, tolerance },
         ),
         4 => mask(small_drawn_solid(), 0..24, 0.0f32..1.0, 1..4).prop_map(Command::Mask),
@@ -241,6 +243,20 @@ fn any_tint() -> impl Strategy<Value = Tint> {
     })
 }
 
+/// Returns changes of the canvas of a small sculpture, which grows by numbers of voxels.
+pub fn canvas_change(by_vx: impl Strategy<Value = u32>) -> impl Strategy<Value = CanvasChange> {
+    let flags = || prop::array::uniform3(any::<bool>());
+    let sides = (flags(), flags())
+        .prop_map(|(low, high)| CanvasSides { low, high })
+        .prop_filter("some side", |sides| sides.low != [false; 3] || sides.high != [false; 3]);
+    prop_oneof![
+        2 => prop::array::uniform3(1u32..40).prop_map(|dims| CanvasChange::Size(dims.into())),
+        3 => (by_vx, sides).prop_map(|(by_vx, sides)| CanvasChange::Grow { by_vx, sides }),
+        2 => Just(CanvasChange::Crop),
+        2 => prop_oneof![3 => Just(true), 1 => Just(false)].prop_map(CanvasChange::Auto),
+    ]
+}
+
 fn surface_kind() -> impl Strategy<Value = SurfaceKind> {
     prop::sample::select(&SurfaceKind::NAMED[..]).prop_map(|(kind, _)| kind)
 }
@@ -283,9 +299,14 @@ pub fn any_command() -> impl Strategy<Value = Command> {
             to_vx,
         },
     );
-    let new = (new_sculpture(9), any::<[u32; 3]>(), any_vec3()).prop_map(|(new, dims, size)| {
-        Command::New(NewSculpture { dims: dims.into(), voxel_size: size, ..new })
-    });
+    let room = prop_oneof![Just(0), any::<u32>()];
+    let new = (new_sculpture(9), any::<[u32; 3]>(), any_vec3(), room).prop_map(
+        |(new, dims, size, room_vx)| {
+            Command::New(NewSculpture { dims: dims.into(), voxel_size: size, room_vx, ..new })
+        },
+    );
+    let size = any::<[u32; 3]>().prop_map(|dims| CanvasChange::Size(dims.into()));
+    let canvas = canvas_change(any::<u32>()).prop_map(Command::Canvas);
     let place =
         (rotation(), any_vec3(), any_number()).prop_map(|(rotation, translation, scale)| {
             Command::Place(Placement { rotation, translation, scale })
@@ -321,9 +342,9 @@ pub fn any_command() -> impl Strategy<Value = Command> {
         area().prop_map(|area| Command::Clear { area }),
         (area(), colour()).prop_map(|(area, colour)| Command::Dye { area, colour }),
         (area(), any_tint()).prop_map(|(area, tint)| Command::Tint { area, tint }),
-        mask(drawn_solid(any_vec3(), any_number()), 0..u32::MAX, -1e9f32..1e9, 0..u32::MAX)
+        mask(drawn_solid(any_vec3(), any_number()), i32::MIN..i32::MAX, -1e9f32..1e9, 0..u32::MAX)
             .prop_map(Command::Mask),
-        (any::<[u32; 3]>(), colour(), any_number()).prop_map(|(at, colour, tolerance)| {
+        (any::<[i32; 3]>(), colour(), any_number()).prop_map(|(at, colour, tolerance)| {
             Command::Flood { at: at.into(), colour, tolerance }
         }),
         mark,
@@ -339,6 +360,8 @@ pub fn any_command() -> impl Strategy<Value = Command> {
             .prop_map(|(by, orientation)| Command::Move { by, orientation }),
         (any::<u32>(), any_ivec3()).prop_map(|(count, step)| Command::Array { count, step }),
         orientation().prop_map(Command::Orient),
+        size.prop_map(Command::Canvas),
+        canvas,
         repair(any_number).prop_map(Command::Repair),
         surface_kind().prop_map(Command::Surface),
         steps().prop_map(|steps| Command::Undo { steps }),

@@ -103,6 +103,7 @@ fn a_solid_is_added_in_the_base_colour_unless_one_is_named() {
             colour_depth: ColourDepth::Bits24,
             base: Rgb::new(1, 2, 3),
             solid: true,
+            room_vx: 0,
         },
         Limits::default(),
     )
@@ -167,6 +168,7 @@ fn the_usage_of_each_command_matches_its_parser() {
     let lines = [
         "new dims=4,5,6 size=1,2,0.5 colour=8 base=#102030 fill=empty",
         "new dims=4,5,6",
+        "new dims=4,5,6 room=7",
         "open \"a b.pvm\"",
         "open v.raw threshold=12.5 colouring=grey colour=8 upright=-z raw=4x5x6:u8:skip=3",
         "embed \"d.png\" data=Zm9v",
@@ -243,6 +245,12 @@ fn the_usage_of_each_command_matches_its_parser() {
         "move by=1,0,-2 axes=-x,y,z",
         "move",
         "array count=3 step=8,0,0",
+        "canvas size dims=4,5,6",
+        "canvas grow by=7",
+        "canvas grow by=7 sides=x,-y",
+        "canvas crop",
+        "canvas auto on",
+        "canvas auto off",
         "orient upright=z",
         "orient axes=x,-z,y",
         "remove-islands",

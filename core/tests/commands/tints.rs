@@ -20,6 +20,7 @@ fn block(colour_depth: ColourDepth, limits: Limits) -> Document {
         colour_depth,
         base: Rgb::STONE,
         solid: true,
+        room_vx: 0,
     };
     Document::new(&new, limits).unwrap()
 }

@@ -68,6 +68,7 @@ fn agree(seed: u64, used: &mut std::collections::BTreeMap<&'static str, u64>) ->
         colour_depth: ColourDepth::None,
         base: Rgb::STONE,
         solid: true,
+        room_vx: 0,
     };
     let mut document = Document::new(&placeholder, Limits::default()).unwrap();
     let mut random = Random::new(seed);

@@ -12,7 +12,7 @@ use sculpture_core::session::{Session, recover};
 
 use super::memory::Memory;
 use super::{all_of, options};
-use crate::commands::strategies::{area_work, new_sculpture, primitive, work};
+use crate::commands::strategies::{area_work, canvas_change, new_sculpture, primitive, work};
 
 /// An event in a session that records.
 #[derive(Clone, Debug)]
@@ -36,6 +36,7 @@ fn event(folder: PathBuf) -> impl Strategy<Value = Event> {
     prop_oneof![
         10 => work().prop_map(Event::Execute),
         6 => area_work().prop_map(Event::Execute),
+        2 => canvas_change(0u32..9).prop_map(|change| Event::Execute(Command::Canvas(change))),
         4 => texture,
         4 => stroke.prop_map(Event::Execute),
         2 => any::<bool>().prop_map(Event::Open),

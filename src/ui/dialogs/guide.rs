@@ -402,6 +402,7 @@ mod tests {
             colour_depth: ColourDepth::Bits24,
             base: Rgb::STONE,
             solid: true,
+            room_vx: 0,
         };
         let mut document = Document::new(&new, Limits::default()).unwrap();
         let mut guide = Guide::default();

@@ -261,6 +261,7 @@ mod tests {
             colour_depth: ColourDepth::None,
             base: Rgb::STONE,
             solid: true,
+            room_vx: 0,
         });
         (dialogs.guide.open, dialogs.masks.open, dialogs.new.open) = (true, true, true);
         dialogs.unsaved = Some(Next::Leave);

@@ -18,6 +18,8 @@ pub struct NewDialog {
     pub depth: ColourDepth,
     pub base: Rgb,
     pub solid: bool,
+    /// Empty voxels at every side of the block.
+    pub room_vx: u32,
 }
 
 impl NewDialog {
@@ -28,11 +30,18 @@ impl NewDialog {
             depth: sculpture.colour_depth,
             base: sculpture.base,
             solid: true,
+            room_vx: sculpture.room_vx,
         }
+    }
+
+    /// Returns the size with the room around the block.
+    fn canvas(&self) -> UVec3 {
+        self.dims + 2 * self.room_vx
     }
 
     fn wanted(&self) -> NewSculpture {
         NewSculpture {
+            room_vx: self.room_vx,
             dims: self.dims,
             voxel_size: Vec3::ONE,
             colour_depth: self.depth,
@@ -65,7 +74,12 @@ impl Dialog for NewDialog {
             let enter = free && ui.input(|input| input.key_pressed(Key::Enter));
             fields(ui, self);
             ui.add_space(4.0);
-            memory(ui, self);
+            match VoxelGrid::check_size(self.canvas(), Vec3::ONE) {
+                Ok(()) => memory(ui, self),
+                Err(error) => {
+                    ui.colored_label(theme::error_colour(ui.visuals()), told(&error));
+                }
+            }
             ui.weak("You can get the current sculpture back with Undo.");
             ui.add_space(8.0);
             ui.horizontal(|ui| {
@@ -108,6 +122,13 @@ fn fields(ui: &mut Ui, dialog: &mut NewDialog) {
             }
         });
         ui.end_row();
+        ui.label("Room");
+        let room = DragValue::new(&mut dialog.room_vx).range(0..=MAX_AXIS_VX).speed(1.0);
+        ui.add(room.suffix(" voxels")).on_hover_text(
+            "Empty voxels at every side of the block, for what is added to it; the command \
+             `canvas grow` adds more later",
+        );
+        ui.end_row();
         ui.label("Colours");
         ComboBox::from_id_salt("depth")
             .width(190.0)
@@ -141,8 +162,8 @@ fn depth_name(depth: ColourDepth) -> &'static str {
 
 fn memory(ui: &mut Ui, dialog: &NewDialog) {
     let mib = |bytes: u64| bytes as f64 / f64::from(1 << 20);
-    let shape = VoxelGrid::bytes_for(dialog.dims);
-    let voxels = dialog.dims.as_u64vec3().element_product();
+    let shape = VoxelGrid::bytes_for(dialog.canvas());
+    let voxels = dialog.canvas().as_u64vec3().element_product();
     let colours = voxels * dialog.depth.bytes() as u64;
     let text = if colours == 0 {
         format!("Takes up to {:.0} MiB of memory as you carve", mib(shape))

@@ -7,6 +7,8 @@ use egui::text::{CCursor, CCursorRange};
 use egui::{Align2, Button, Id, Key, Modal, Modifiers, RichText, ScrollArea, TextEdit, Ui};
 use egui::{WidgetInfo, WidgetType, vec2};
 
+use glam::IVec3;
+
 use crate::command::{COMMANDS, Command, CommandHelp};
 use crate::input::action::TriggerKind;
 use crate::input::{Action, Bindings};
@@ -165,7 +167,8 @@ impl Dialog for CommandPalette {
                 }
             });
             if let Some(entry) = chosen.filter(|entry| entry.can_be_chosen()) {
-                shared.led_to = self.choose(entry, shared.requests);
+                let entry = in_grid(entry, shared.context.document.origin());
+                shared.led_to = self.choose(&entry, shared.requests);
             }
         });
         if response.should_close() {
@@ -231,6 +234,16 @@ impl CommandPalette {
         }
         self.open = false;
         led_to
+    }
+}
+
+/// Returns the entry with a typed command in grid coordinates, as all requests have them.
+fn in_grid(entry: &PaletteEntry, origin: IVec3) -> PaletteEntry {
+    match entry {
+        PaletteEntry::Run(command) => {
+            PaletteEntry::Run(Box::new(command.translated(-origin).into_owned()))
+        }
+        other => other.clone(),
     }
 }
 

@@ -57,8 +57,8 @@ fn buttons(
 
 /// Shows the lower corner and the lengths as numbers.
 fn bounds(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
-    let marker = context.document.selection().marker();
-    let (mut at, mut size) = (marker.min, marker.size().as_ivec3());
+    let (marker, origin) = (context.document.selection().marker(), context.document.origin());
+    let (mut at, mut size) = (marker.min + origin, marker.size().as_ivec3());
     let mut changed = false;
     for (title, hint, values, least) in [
         ("From", "Lower corner of the marker along", &mut at, i32::MIN),
@@ -78,7 +78,7 @@ fn bounds(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     }
     if changed {
         let far = IVec3::splat(1 << 19);
-        let min = at.clamp(-far, far);
+        let min = at.clamp(-far, far) - origin;
         requests.push(UiRequest::Run(Command::Mark(VoxelBox { min, max: min + size })));
     }
 }
@@ -103,7 +103,8 @@ fn selection(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
                 ui.weak("Nothing selected");
             }
             for i in rows.filter_map(|row| boxes.len().checked_sub(row + 1)) {
-                let (at, size) = (boxes[i].bounds.min, boxes[i].bounds.size());
+                let at = boxes[i].bounds.min + context.document.origin();
+                let size = boxes[i].bounds.size();
                 let sign = if boxes[i].adds { "+" } else { "−" };
                 ui.horizontal(|ui| {
                     ui.monospace(format!("{sign} {}×{}×{}", size.x, size.y, size.z))

@@ -2,11 +2,9 @@
 
 use std::fmt;
 
-use glam::UVec3;
-
 use super::arguments::Arguments;
 use super::{
-    ParseError, drawn_solid, list, number, numbers, parse_colour, parse_swept, solid_names,
+    ParseError, drawn_solid, list, number, parse_colour, parse_ivec3, parse_swept, solid_names,
     write_placed,
 };
 use crate::command::{Area, Command, MaskArea, MaskChange, PatchRule};
@@ -69,7 +67,6 @@ fn parse_area(args: &mut Arguments) -> Result<MaskArea, ParseError> {
     if let Some(area) = Area::ALL.into_iter().find(|area| area.name() == name) {
         return Ok(MaskArea::Area(area));
     }
-    let place = |text: &str| numbers::<u32, 3>(text).map(UVec3::from_array);
     Ok(match name.as_str() {
         "colour" => MaskArea::Colour {
             colour: args.required("colour", parse_colour)?,
@@ -80,7 +77,7 @@ fn parse_area(args: &mut Arguments) -> Result<MaskArea, ParseError> {
             depth_vx: args.optional("depth", number)?.unwrap_or(DEPTH_VX),
         },
         "patch" => MaskArea::Patch {
-            at: args.required("at", place)?,
+            at: args.required("at", parse_ivec3)?,
             by: match (args.optional("tolerance", number)?, args.optional("angle", number)?) {
                 (None, Some(angle_deg)) => PatchRule::Flat(angle_deg),
                 (tolerance, None) => PatchRule::Colour(tolerance.unwrap_or(0.0)),
@@ -91,7 +88,7 @@ fn parse_area(args: &mut Arguments) -> Result<MaskArea, ParseError> {
             },
             depth_vx: args.optional("depth", number)?.unwrap_or(DEPTH_VX),
         },
-        "piece" => MaskArea::Piece { at: args.required("at", place)? },
+        "piece" => MaskArea::Piece { at: args.required("at", parse_ivec3)? },
         _ => match drawn_solid::parse(&name, args)? {
             Some(drawn) => MaskArea::DrawnSolid(drawn),
             None => {

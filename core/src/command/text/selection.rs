@@ -140,7 +140,7 @@ pub(crate) fn parse_area(args: &mut Arguments) -> Result<Area, ParseError> {
     })
 }
 
-fn parse_switch(args: &mut Arguments) -> Result<bool, ParseError> {
+pub(super) fn parse_switch(args: &mut Arguments) -> Result<bool, ParseError> {
     match args.word("on or off")?.as_str() {
         "on" => Ok(true),
         "off" => Ok(false),

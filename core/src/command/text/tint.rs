@@ -2,10 +2,10 @@
 
 use std::fmt;
 
-use glam::UVec3;
+use glam::IVec3;
 
 use super::arguments::Arguments;
-use super::{ParseError, list, number, numbers, parse_colour, parse_vec3, selection};
+use super::{ParseError, list, number, parse_colour, parse_ivec3, parse_vec3, selection};
 use crate::command::{Area, Command};
 use crate::sculpture::Rgb;
 use crate::tools::tint::Tint;
@@ -59,7 +59,7 @@ pub fn parse(verb: &str, args: &mut Arguments) -> Result<Command, ParseError> {
 
 /// Writes the arguments after the verb of a flood fill.
 pub(crate) fn write_flood(
-    at: UVec3,
+    at: IVec3,
     colour: Rgb,
     tolerance: f32,
     f: &mut fmt::Formatter<'_>,
@@ -70,7 +70,7 @@ pub(crate) fn write_flood(
 /// Reads the arguments after the verb of a flood fill.
 pub(crate) fn parse_flood(args: &mut Arguments) -> Result<Command, ParseError> {
     Ok(Command::Flood {
-        at: args.required("at", |text| numbers::<u32, 3>(text).map(UVec3::from_array))?,
+        at: args.required("at", parse_ivec3)?,
         colour: args.required("colour", parse_colour)?,
         tolerance: args.optional("tolerance", number)?.unwrap_or(0.0),
     })

@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use super::EditTarget;
 use crate::document::CommandError;
+use crate::sculpture::canvas_frame::Canvas;
 use crate::sculpture::edit::EditStats;
 use crate::sculpture::history::{Contents, StepChange, SurfaceKind};
 use crate::sculpture::memory::NoMemory;
@@ -24,18 +25,41 @@ impl EditTarget {
 
     /// Returns the size in bytes of the record of edits that are no undo step yet.
     pub fn recorded_bytes(&self) -> usize {
-        self.recorder.bytes()
+        let earlier =
+            self.earlier.iter().map(|change| size_of::<StepChange>() + change.heap_bytes());
+        self.recorder.bytes() + earlier.sum::<usize>()
     }
 
-    /// Ends the record of edits and returns it.
-    pub fn finish_record(&mut self) -> BrickRecord {
-        self.recorder.finish()
+    /// Ends the record of edits and returns it as a change, with the earlier edits and growths of the stroke. `None` if
+    /// there are none.
+    pub fn finish_record(&mut self) -> Option<StepChange> {
+        self.close_record();
+        match self.earlier.len() {
+            0 | 1 => self.earlier.pop(),
+            _ => Some(StepChange::Several(std::mem::take(&mut self.earlier))),
+        }
     }
 
-    /// Reverts the recorded edits.
+    /// Ends the record of edits: they become an earlier change of the stroke.
+    pub(super) fn close_record(&mut self) {
+        let record = self.recorder.finish();
+        if !record.is_empty() {
+            self.earlier.push(StepChange::Bricks(record));
+        }
+    }
+
+    /// Reverts all changes that are no undo step yet.
     pub fn take_back(&mut self) {
         let record = self.recorder.finish();
         self.swap_bricks(record);
+        while let Some(change) = self.earlier.pop() {
+            match change {
+                StepChange::Bricks(record) => drop(self.swap_bricks(record)),
+                // It has been that size before, and shrinks.
+                StepChange::Canvas { back, before } => drop(self.take_canvas_back(back, before)),
+                _ => {}
+            }
+        }
     }
 
     /// Does `work` in place of all recorded edits. If `work` is refused, the edits are restored.
@@ -63,11 +87,11 @@ impl EditTarget {
         stats
     }
 
-    fn resume(&mut self, record: BrickRecord) {
+    pub(super) fn resume(&mut self, record: BrickRecord) {
         self.recorder.resume(record, &self.contents);
     }
 
-    fn swap_bricks(&mut self, record: BrickRecord) -> BrickRecord {
+    pub(super) fn swap_bricks(&mut self, record: BrickRecord) -> BrickRecord {
         if record.is_empty() {
             return record;
         }
@@ -94,11 +118,12 @@ impl EditTarget {
         }
     }
 
-    /// Replaces the sculpture. If the size changes, the marker is reset.
+    /// Replaces the sculpture. If the size or the place of its box changes, the marker is reset.
     pub fn swap_contents(&mut self, contents: Contents) -> Contents {
         let old = self.put_contents(contents);
-        if self.contents.grid.dims() != old.grid.dims() {
-            self.selection = Selection::new(self.grid().dims());
+        let place = |canvas: Canvas| (canvas.dims, canvas.frame.origin, canvas.frame.home);
+        if place(self.contents.canvas()) != place(old.canvas()) {
+            self.selection = Selection::of(&self.contents.frame);
         }
         Arc::unwrap_or_clone(old)
     }
@@ -111,14 +136,14 @@ impl EditTarget {
         back_is_exact: bool,
     ) -> StepChange {
         self.selection = self.selection.oriented(orientation, self.grid().dims());
-        self.symmetry = self.symmetry.oriented(orientation, self.grid().dims());
+        self.symmetry = self.symmetry.oriented(orientation, self.contents.frame.home);
         let old = self.put_contents(contents);
         let before = (!back_is_exact).then(|| Box::new(Arc::unwrap_or_clone(old)));
         StepChange::Oriented { back: orientation.inverse(), before }
     }
 
     /// Exchanges all contents and returns the old ones.
-    fn put_contents(&mut self, contents: Contents) -> Arc<Contents> {
+    pub(super) fn put_contents(&mut self, contents: Contents) -> Arc<Contents> {
         let old = std::mem::replace(&mut self.contents, Arc::new(contents));
         self.recorder = StrokeRecorder::default();
         self.bits.forget();

@@ -100,17 +100,28 @@ impl Timeline {
         let bytes = match &step.change {
             StepChange::Bricks(record) => record.reverse_bytes(&target.contents),
             StepChange::Whole(_) => target.contents.kept_bytes(),
-            StepChange::Oriented { before: Some(_), .. } => 0,
+            StepChange::Oriented { before: Some(_), .. } | StepChange::Canvas { .. } => 0,
             StepChange::Oriented { back, before: None } => {
                 orient::bytes_to_undo(&target.contents, *back)
             }
             // The change of a stored step has been loaded by now.
-            StepChange::Surface(_) | StepChange::Stored(_) => 0,
+            StepChange::Surface(_) | StepChange::Several(_) | StepChange::Stored(_) => 0,
         };
-        match self.require_room(&format!("{} {}", direction.verb(), step.label), bytes) {
-            Ok(()) => self.reverse(step, target, oriented),
-            Err(error) => (step, Some(error)),
+        let label = format!("{} {}", direction.verb(), step.label);
+        if let Err(error) = self.require_room(&label, bytes) {
+            return (step, Some(error));
         }
+        // Only the reversal shows what these steps take.
+        let is_measured = matches!(step.change, StepChange::Canvas { .. } | StepChange::Several(_));
+        let (reverse, refused) = self.reverse(step, target, oriented);
+        if is_measured
+            && refused.is_none()
+            && let Err(error) = self.require_room(&label, reverse.change.heap_bytes())
+        {
+            let (step, _) = self.reverse(reverse, target, None);
+            return (step, Some(error));
+        }
+        (reverse, refused)
     }
 
     fn reverse(
@@ -159,6 +170,8 @@ fn reversed(
             Ok(StepChange::Whole(Box::new(target.swap_contents(*contents))))
         }
         StepChange::Surface(kind) => Ok(StepChange::Surface(target.swap_surface(kind))),
+        StepChange::Canvas { back, before } => target.take_canvas_back(back, before),
+        StepChange::Several(parts) => reversed_all(parts, label, target),
         // Repeating the orientation restores the present contents exactly.
         StepChange::Oriented { back, before: Some(before) } => {
             Ok(target.swap_oriented(*before, back, true))
@@ -166,4 +179,30 @@ fn reversed(
         StepChange::Oriented { back, before: None } => orient::lay(target, back, oriented)
             .map_err(|error| Box::new((StepChange::Oriented { back, before: None }, error))),
     }
+}
+
+/// Reverses changes, the last one first, as [`reversed`] does each. All of them are reversed, or none.
+fn reversed_all(
+    mut parts: Vec<StepChange>,
+    label: &str,
+    target: &mut EditTarget,
+) -> Result<StepChange, Box<(StepChange, CommandError)>> {
+    let mut reverse = Vec::with_capacity(parts.len());
+    while let Some(part) = parts.pop() {
+        match reversed(part, label, target, None) {
+            Ok(change) => reverse.push(change),
+            Err(refused) => {
+                let (part, error) = *refused;
+                parts.push(part);
+                while let Some(change) = reverse.pop() {
+                    // The sculpture was in this state before, so that only memory can be missing.
+                    parts.push(
+                        reversed(change, label, target, None).unwrap_or_else(|refused| refused.0),
+                    );
+                }
+                return Err(Box::new((StepChange::Several(parts), error)));
+            }
+        }
+    }
+    Ok(StepChange::Several(reverse))
 }

@@ -3,14 +3,16 @@
 //! history on disk.
 //!
 //! A step is, little-endian: its state (two u64), a byte for the kind of its change (1 whole, 2 oriented, 3 oriented
-//! with the sculpture before, 4 surface, 6 bricks; 5 and 0, bricks in earlier layouts, are only read), the label (u32
-//! length and UTF-8 bytes), an orientation for kinds 2 and 3 or a kind of surface for kind 4 (u32 length and the bytes
-//! of its text form), then the record for kinds 6, 5 and 0, packed by `blocks`, or a .vsc file for kinds 1 and 3.
+//! with the sculpture before, 4 surface, 6 bricks, 7 canvas, 8 several; 5 and 0, bricks in earlier layouts, are only
+//! read), the label (u32 length and UTF-8 bytes), an orientation for kinds 2 and 3 or a kind of surface for kind 4 (u32
+//! length and the bytes of its text form), then the record for kinds 6, 5 and 0, packed by `blocks`, or a .vsc file for
+//! kinds 1 and 3. Kinds 7 and 8: `canvas`.
 //!
 //! Reading checks a step against the [`ContentsShape`] of the contents with which it will be swapped, so that no damaged step
 //! can break a sculpture.
 
 mod blocks;
+mod canvas;
 mod colours;
 mod record;
 
@@ -48,6 +50,10 @@ impl ContentsShape {
             StepChange::Bricks(_) | StepChange::Surface(_) | StepChange::Stored(_) => self,
             StepChange::Whole(contents) => ContentsShape::of(contents),
             StepChange::Oriented { before: Some(contents), .. } => ContentsShape::of(contents),
+            StepChange::Canvas { back, .. } => ContentsShape { dims: back.dims, ..self },
+            StepChange::Several(parts) => {
+                parts.iter().rev().fold(self, |shape, part| shape.after(part))
+            }
             StepChange::Oriented { back, before: None } => {
                 ContentsShape { dims: back.size(self.dims), ..self }
             }
@@ -64,22 +70,34 @@ pub fn write_step(step: &Step) -> Result<Vec<u8>, FormatError> {
 
 /// Packs a step to a writer, a record in portions.
 pub(crate) fn write_step_to(step: &Step, out: &mut dyn Write) -> Result<(), FormatError> {
-    let kind = match &step.change {
+    if let StepChange::Stored(stored) = &step.change {
+        let packed = stored.0.packed().map_err(std::io::Error::other)?;
+        return Ok(out.write_all(&packed)?);
+    }
+    out.write_all(&step.state.sculpture.to_le_bytes())?;
+    out.write_all(&step.state.number.to_le_bytes())?;
+    out.write_all(&[kind_of(&step.change)])?;
+    put_text(&step.label, out)?;
+    write_change(&step.change, out)
+}
+
+fn kind_of(change: &StepChange) -> u8 {
+    match change {
         StepChange::Bricks(_) => 6,
         StepChange::Whole(_) => 1,
         StepChange::Oriented { before: None, .. } => 2,
         StepChange::Oriented { before: Some(_), .. } => 3,
         StepChange::Surface(_) => 4,
-        StepChange::Stored(stored) => {
-            let packed = stored.0.packed().map_err(std::io::Error::other)?;
-            return Ok(out.write_all(&packed)?);
-        }
-    };
-    out.write_all(&step.state.sculpture.to_le_bytes())?;
-    out.write_all(&step.state.number.to_le_bytes())?;
-    out.write_all(&[kind])?;
-    put_text(&step.label, out)?;
-    match &step.change {
+        StepChange::Canvas { .. } => 7,
+        StepChange::Several(_) => 8,
+        // Of no known kind: a step in a store is copied as a whole.
+        StepChange::Stored(_) => u8::MAX,
+    }
+}
+
+/// Packs what follows the label.
+fn write_change(change: &StepChange, out: &mut dyn Write) -> Result<(), FormatError> {
+    match change {
         StepChange::Bricks(record) => record::write(record, out)?,
         StepChange::Whole(contents) => vsc::write_to(contents, &Texts::default(), &(), out)?,
         StepChange::Oriented { back, before } => {
@@ -89,6 +107,8 @@ pub(crate) fn write_step_to(step: &Step, out: &mut dyn Write) -> Result<(), Form
             }
         }
         StepChange::Surface(kind) => put_text(kind.name(), out)?,
+        StepChange::Canvas { back, before } => canvas::write(back, before.as_deref(), out)?,
+        StepChange::Several(parts) => canvas::write_parts(parts, out)?,
         StepChange::Stored(_) => {}
     }
     Ok(())
@@ -114,6 +134,17 @@ pub(crate) fn read_step_from(
     rest.read_exact(&mut kind).map_err(cut)?;
     let [kind] = kind;
     let label = take_text(rest)?;
+    let change = read_change(kind, rest, shape, limits)?;
+    Ok(Step { label, change, state: State { sculpture, number } })
+}
+
+/// Unpacks what follows the label of a step of a kind.
+fn read_change(
+    kind: u8,
+    rest: &mut dyn BufRead,
+    shape: ContentsShape,
+    limits: &Limits,
+) -> Result<StepChange, FormatError> {
     let whole = |rest: &mut dyn BufRead| -> Result<Box<Contents>, FormatError> {
         let mut file = Vec::new();
         rest.read_to_end(&mut file)?;
@@ -123,7 +154,7 @@ pub(crate) fn read_step_from(
         0 => Ok(()),
         trailing => Err(FormatError::Trailing(trailing as u64)),
     };
-    let change = match kind {
+    Ok(match kind {
         0 => StepChange::Bricks(record::read(rest, shape, Layout::Linear)?),
         5 => StepChange::Bricks(record::read(rest, shape, Layout::Pages)?),
         6 => StepChange::Bricks(record::read(rest, shape, Layout::Cubes)?),
@@ -148,9 +179,10 @@ pub(crate) fn read_step_from(
             let unknown = FormatError::Damaged("a surface is of no known kind");
             StepChange::Surface(named.ok_or(unknown)?.0)
         }
+        7 => canvas::read(rest, limits)?,
+        8 => StepChange::Several(canvas::read_parts(rest, shape, limits)?),
         _ => return Err(FormatError::Damaged("an undo step is of no known kind")),
-    };
-    Ok(Step { label, change, state: State { sculpture, number } })
+    })
 }
 
 /// Unpacks the steps of a history around contents of `shape`: the undo steps and the redo steps, each with the nearest

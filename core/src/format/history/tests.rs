@@ -17,6 +17,7 @@ fn document(dims: UVec3, depth: ColourDepth) -> Document {
         colour_depth: depth,
         base: Rgb::STONE,
         solid: true,
+        room_vx: 0,
     };
     Document::new(&new, Limits::default()).unwrap()
 }
@@ -33,6 +34,11 @@ fn line(kind: u8, at: [i32; 3]) -> String {
         6 => "orient axes=y,-x,z".to_string(),
         7 => format!("new dims={},9,17 colour=16", 1 + x),
         8 => "undo".to_string(),
+        10 => format!("canvas grow by={} sides=-x,y,-z", 1 + x),
+        11 => format!("canvas size dims={},20,30", 1 + x),
+        12 => "canvas crop".to_string(),
+        13 => "canvas auto on".to_string(),
+        14 => format!("add cuboid at={},{y},{} half=2", x - 30, z + 20),
         _ => "redo".to_string(),
     }
 }
@@ -62,7 +68,7 @@ proptest! {
     /// The steps are read back equal, in place, with the same memory size, whatever was done.
     #[test]
     fn a_history_is_read_back_exactly(
-        lines in prop::collection::vec((0u8..10, [0i32..24, 0..24, 0..24]), 1..24),
+        lines in prop::collection::vec((0u8..15, [0i32..24, 0..24, 0..24]), 1..24),
         depth in prop::sample::select(&ColourDepth::ALL[..]),
     ) {
         read_back_exactly(&lines, depth);
@@ -71,10 +77,13 @@ proptest! {
     /// No damage yields a step that breaks a sculpture.
     #[test]
     fn damaged_steps_are_refused_or_fit(
-        kind in 0u8..8, at in [0i32..20, 0..20, 0..20],
+        kind in prop_oneof![0u8..8, 10u8..15], at in [0i32..20, 0..20, 0..20],
         place in any::<prop::sample::Index>(), value in any::<u8>(), cut in any::<bool>(),
     ) {
         let mut document = document(UVec3::new(21, 24, 11), ColourDepth::Bits24);
+        if kind == 14 {
+            document.apply(&"canvas auto on".parse().unwrap()).unwrap();
+        }
         document.apply(&line(kind, at).parse().unwrap()).unwrap();
         let Some(step) = document.history().undo_steps().next() else { return Ok(()) };
         let mut bytes = write_step(step).unwrap();
@@ -154,6 +163,14 @@ fn the_steps_furthest_away_are_dropped_first() {
     assert_eq!(short.undo, all.undo[1..]);
     let mut whole = all.clone();
     assert_eq!((whole.shorten(usize::MAX), whole), ([0, 0], all));
+}
+
+#[test]
+fn an_edit_with_its_growth_is_read_back() {
+    let lines =
+        [(13, [0; 3]), (14, [3, 4, 5]), (12, [0; 3]), (11, [9, 0, 0]), (8, [0; 3]), (8, [0; 3])];
+    read_back_exactly(&lines, ColourDepth::Bits8);
+    read_back_exactly(&lines[..3], ColourDepth::None);
 }
 
 #[test]

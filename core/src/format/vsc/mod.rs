@@ -6,7 +6,7 @@
 //! | bytes | what |
 //! |---|---|
 //! | 8 | `89 56 53 43 0D 0A 1A 0A`: no text file begins so, and none copied as text still does |
-//! | 4 | version: 1, or 2 with a mask, or 3 with flags |
+//! | 4 | version: 1, or 2 with a mask, or 3 with flags, or 4 with a canvas |
 //! | 3 x 4 | size in voxels |
 //! | 3 x 4 | edge lengths of a voxel, as `f32` |
 //! | 1 | bits of colour: 0, 8, 16 or 24 |
@@ -14,7 +14,10 @@
 //! | 4 | bricks of a chunk |
 //! | 4 | number of chunks |
 //! | 4 | bytes of the texts |
-//! | 4 | of version 3: flags, 1 for a mask, 2 for near voxels that are shown as cubes |
+//! | 4 | of versions 3 and 4: flags, 1 for a mask, 2 for near voxels that are shown as cubes |
+//! | 3 x 4 | of version 4: the signed coordinates of the first voxel, as `i32` |
+//! | 3 x 4 | of version 4: the size of the box with which the sculpture began, from signed coordinates 0 on |
+//! | 4 | of version 4: 1 if tools that reach beyond the box make it grow, else 0 |
 //! | 4 | CRC-32 of all before and of table and texts |
 //! | 16 each | the table: for each chunk packed bytes, plain bytes, pages, CRC-32 of the packed bytes |
 //! | | the texts: none at all, or four times a length and so many bytes: description, courtesy, parameter, comment |
@@ -28,7 +31,7 @@ pub(super) mod chunk;
 
 use std::io::Write;
 
-use glam::{UVec3, Vec3};
+use glam::{IVec3, UVec3, Vec3};
 use rayon::prelude::*;
 
 use self::chunk::{BitsRoom, ChunkEntry};
@@ -40,6 +43,7 @@ use super::volume::Texts;
 use super::{FormatError, go_on};
 use crate::progress::Progress;
 use crate::sculpture::brick::BRICK_EDGE_VX;
+use crate::sculpture::canvas_frame::CanvasFrame;
 use crate::sculpture::history::{Contents, SurfaceKind};
 use crate::sculpture::material::Page;
 use crate::sculpture::{ColourDepth, Grid, Limits, Material, Rgb};
@@ -54,6 +58,7 @@ const MAGIC: [u8; 8] = [0x89, b'V', b'S', b'C', b'\r', b'\n', 0x1A, b'\n'];
 const VERSION: u32 = 1;
 const VERSION_WITH_MASK: u32 = 2;
 const VERSION_WITH_FLAGS: u32 = 3;
+const VERSION_WITH_CANVAS: u32 = 4;
 
 const FLAG_MASK: u32 = 1;
 const FLAG_CUBES: u32 = 2;
@@ -61,6 +66,9 @@ const FLAG_CUBES: u32 = 2;
 /// Size before the optional flags and the checksum, in bytes.
 const START_BYTES: usize = 52;
 const ENTRY_BYTES: usize = 16;
+/// Size of the flags, and of the canvas that follows them.
+const FLAGS_BYTES: usize = 4;
+const CANVAS_BYTES: usize = 28;
 
 /// Number of bricks of a chunk in written files, and its limits in read files.
 const CHUNK_BRICKS: u32 = 4096;
@@ -87,6 +95,8 @@ pub struct VscHeader {
     has_mask: bool,
     /// The form in which near voxels are shown.
     pub surface: SurfaceKind,
+    /// Where the box lies.
+    pub frame: CanvasFrame,
 }
 
 /// Packs a sculpture.
@@ -107,7 +117,7 @@ pub fn write_to(
     progress: &dyn Progress,
     out: &mut dyn Write,
 ) -> Result<(), FormatError> {
-    let Contents { grid, material, mask, surface } = contents;
+    let Contents { grid, material, mask, surface, frame } = contents;
     let texts = packed_texts(texts)?;
     let depth = material.depth();
     progress.begin("packing");
@@ -128,6 +138,7 @@ pub fn write_to(
     let mut head = MAGIC.to_vec();
     let mut number = |v: u32| head.extend_from_slice(&v.to_le_bytes());
     let version = match (surface, mask) {
+        _ if !contents.canvas().is_plain() => VERSION_WITH_CANVAS,
         (SurfaceKind::Cubes, _) => VERSION_WITH_FLAGS,
         (SurfaceKind::Smooth, Some(_)) => VERSION_WITH_MASK,
         (SurfaceKind::Smooth, None) => VERSION,
@@ -140,8 +151,14 @@ pub fn write_to(
     number(CHUNK_BRICKS);
     number(chunks.len() as u32);
     number(texts.len() as u32);
-    if version == VERSION_WITH_FLAGS {
-        number(FLAG_CUBES | if mask.is_some() { FLAG_MASK } else { 0 });
+    if version >= VERSION_WITH_FLAGS {
+        let cubes = if *surface == SurfaceKind::Cubes { FLAG_CUBES } else { 0 };
+        number(cubes | if mask.is_some() { FLAG_MASK } else { 0 });
+    }
+    if version == VERSION_WITH_CANVAS {
+        frame.origin.to_array().into_iter().for_each(|at| number(at as u32));
+        frame.home.to_array().into_iter().for_each(&mut number);
+        number(u32::from(frame.grows));
     }
     let mut tail = Vec::with_capacity(chunks.len() * ENTRY_BYTES + texts.len());
     for (entry, _) in &chunks {
@@ -181,7 +198,8 @@ pub(crate) fn read_header(file: &[u8], limits: &Limits) -> Result<VscHeader, For
     let (flags_bytes, flags) = match version {
         VERSION => (0, 0),
         VERSION_WITH_MASK => (0, FLAG_MASK),
-        VERSION_WITH_FLAGS => (4, number(START_BYTES)),
+        VERSION_WITH_FLAGS => (FLAGS_BYTES, number(START_BYTES)),
+        VERSION_WITH_CANVAS => (FLAGS_BYTES + CANVAS_BYTES, number(START_BYTES)),
         _ if file.len() < START_BYTES => {
             return Err(FormatError::Damaged("it ends within its header"));
         }
@@ -217,6 +235,10 @@ pub(crate) fn read_header(file: &[u8], limits: &Limits) -> Result<VscHeader, For
     if flags & !(FLAG_MASK | FLAG_CUBES) != 0 {
         return Err(FormatError::Damaged("its flags are unknown"));
     }
+    let frame = match version {
+        VERSION_WITH_CANVAS => frame_of(std::array::from_fn(|i| number(START_BYTES + 4 + 4 * i)))?,
+        _ => CanvasFrame::of(dims),
+    };
     let (table, texts) = tail.split_at(count as usize * ENTRY_BYTES);
     let entries = entries(table, bricks as usize, chunk_bricks as usize, colour_depth)?;
     let packed: u64 = entries.iter().map(|entry| u64::from(entry.packed_bytes)).sum();
@@ -240,7 +262,23 @@ pub(crate) fn read_header(file: &[u8], limits: &Limits) -> Result<VscHeader, For
             0 => SurfaceKind::Smooth,
             _ => SurfaceKind::Cubes,
         },
+        frame,
     })
+}
+
+/// Returns the frame of the numbers that follow the flags.
+fn frame_of(
+    [x, y, z, home_x, home_y, home_z, grows]: [u32; 7],
+) -> Result<CanvasFrame, FormatError> {
+    let frame = CanvasFrame {
+        origin: IVec3::new(x as i32, y as i32, z as i32),
+        home: UVec3::new(home_x, home_y, home_z),
+        grows: grows == 1,
+    };
+    match frame.check().is_ok() && grows <= 1 {
+        true => Ok(frame),
+        false => Err(FormatError::Damaged("its canvas is not possible")),
+    }
 }
 
 /// Returns the rows of the table, each checked against the bricks of its chunk.
@@ -322,7 +360,8 @@ pub fn read(
     let mut material = Material::for_grid(&grid, depth, base);
     let pages = pages?.into_iter().flatten();
     material.set_pages(pages.map(|(index, page)| (grid.brick_coords(index), page)).collect());
-    let mut contents = Contents { surface: header.surface, ..Contents::new(grid, material) };
+    let (surface, frame) = (header.surface, header.frame);
+    let mut contents = Contents { surface, frame, ..Contents::new(grid, material) };
     if header.has_mask {
         contents.mask = Some(Box::new(read_mask(rest, &contents.grid, limits)?));
         contents.drop_empty_mask();

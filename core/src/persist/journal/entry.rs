@@ -125,6 +125,7 @@ impl JournalEntry {
             | CommandClass::Arrange
             | CommandClass::Whole
             | CommandClass::Orient
+            | CommandClass::Canvas
             | CommandClass::Travel => {}
         }
         !*in_stroke

@@ -93,6 +93,7 @@ fn document(history_bytes: usize) -> Document {
         colour_depth: ColourDepth::Bits24,
         base: Rgb::STONE,
         solid: true,
+        room_vx: 0,
     };
     Document::new(&new, Limits { history_bytes, ..Limits::default() }).unwrap()
 }

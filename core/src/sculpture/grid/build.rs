@@ -60,7 +60,7 @@ pub(super) fn tree_of_runs<T: Send, E: Send>(
 }
 
 /// Returns the tree of the leaves that `leaf` returns for leaf coordinates.
-fn tree_of_leaves(
+pub(super) fn tree_of_leaves(
     extent: Extent,
     levels: u32,
     leaf: &(dyn Fn(UVec3) -> Child + Sync),
@@ -120,7 +120,7 @@ fn node_of_cubes(
 }
 
 /// A brick, without bits where it has none or all.
-enum Value {
+pub(super) enum Value {
     Empty,
     Full,
     Mixed(Brick),
@@ -128,7 +128,7 @@ enum Value {
 
 impl Value {
     #[inline]
-    fn of(brick: Brick) -> Value {
+    pub fn of(brick: Brick) -> Value {
         match () {
             () if brick.is_empty() => Value::Empty,
             () if brick.is_full() => Value::Full,
@@ -138,7 +138,7 @@ impl Value {
 }
 
 /// Returns a leaf of the bricks that `f` returns for their coordinates and valid bits.
-fn leaf_of(extent: &Extent, leaf: UVec3, f: impl Fn(UVec3, &Brick) -> Value) -> Child {
+pub(super) fn leaf_of(extent: &Extent, leaf: UVec3, f: impl Fn(UVec3, &Brick) -> Value) -> Child {
     let low = leaf << NODE_EDGE_LOG2;
     let (inside, is_whole) = (extent.children(low, 0), extent.holds_brick(low + 7));
     let (mut mixed, mut full, mut bricks, mut voxels) = (Brick::EMPTY, Brick::EMPTY, Vec::new(), 0);

@@ -65,6 +65,11 @@ pub(in crate::sculpture) struct OldLeaf(Child);
 impl OldLeaf {
     pub const EMPTY: OldLeaf = OldLeaf(Child::Empty);
 
+    /// Returns the leaf as a child of a node.
+    pub(super) fn into_child(self) -> Child {
+        self.0
+    }
+
     /// Returns whether all its bricks are empty, or all full.
     pub fn is_uniform(&self) -> bool {
         !matches!(self.0, Child::Mixed(_))

@@ -5,6 +5,7 @@
 use std::fmt::Debug;
 use std::sync::Arc;
 
+use crate::sculpture::canvas_frame::Canvas;
 use crate::sculpture::contents::{Contents, SurfaceKind};
 use crate::sculpture::memory::NoMemory;
 use crate::sculpture::orientation::Orientation;
@@ -30,21 +31,51 @@ pub enum StepChange {
     },
     /// The kind of surface before the change.
     Surface(SurfaceKind),
+    /// The box of the sculpture was moved, and `back` reverses that. `before` is kept only if something was cut off.
+    Canvas {
+        /// The box as it was.
+        back: Canvas,
+        /// The sculpture as it was.
+        before: Option<Box<Contents>>,
+    },
+    /// Some of the above, in the order in which they were made: edits with the growth that they needed.
+    Several(Vec<StepChange>),
     /// One of the above, kept by a [`super::StepStore`].
     Stored(StoredChange),
 }
 
 impl StepChange {
-    fn heap_bytes(&self) -> usize {
+    /// Returns the bytes that the change takes of the history's budget.
+    pub(crate) fn heap_bytes(&self) -> usize {
         match self {
             StepChange::Bricks(record) => record.heap_bytes(),
             StepChange::Whole(old) => old.kept_bytes(),
-            StepChange::Oriented { before, .. } => {
+            StepChange::Oriented { before, .. } | StepChange::Canvas { before, .. } => {
                 before.as_ref().map_or(0, |old| old.kept_bytes())
             }
             StepChange::Surface(_) => 0,
+            StepChange::Several(parts) => {
+                parts.iter().map(|part| size_of::<StepChange>() + part.heap_bytes()).sum()
+            }
             StepChange::Stored(_) => STUB_BYTES,
         }
+    }
+
+    fn copied(&self) -> Result<StepChange, NoMemory> {
+        Ok(match self {
+            StepChange::Bricks(record) => {
+                let no_memory = |_| NoMemory { bytes: record.heap_bytes() as u64 };
+                StepChange::Bricks(record.copied().map_err(no_memory)?)
+            }
+            StepChange::Several(parts) => {
+                StepChange::Several(parts.iter().map(StepChange::copied).collect::<Result<_, _>>()?)
+            }
+            StepChange::Whole(_)
+            | StepChange::Oriented { .. }
+            | StepChange::Canvas { .. }
+            | StepChange::Surface(_)
+            | StepChange::Stored(_) => self.clone(),
+        })
     }
 }
 
@@ -72,18 +103,7 @@ pub struct Step {
 impl Step {
     /// Returns a copy, unless the system lacks the memory for it.
     pub fn copied(&self) -> Result<Step, NoMemory> {
-        let change = match &self.change {
-            StepChange::Bricks(record) => {
-                let no_memory = |_| NoMemory { bytes: record.heap_bytes() as u64 };
-                StepChange::Bricks(record.copied().map_err(no_memory)?)
-            }
-            StepChange::Whole(contents) => StepChange::Whole(contents.clone()),
-            StepChange::Oriented { back, before } => {
-                StepChange::Oriented { back: *back, before: before.clone() }
-            }
-            StepChange::Surface(kind) => StepChange::Surface(*kind),
-            StepChange::Stored(stored) => StepChange::Stored(stored.clone()),
-        };
+        let change = self.change.copied()?;
         Ok(Step { label: self.label.clone(), change, state: self.state })
     }
 

@@ -68,6 +68,7 @@ mod tests {
             colour_depth: ColourDepth::None,
             base: Rgb::STONE,
             solid: true,
+            room_vx: 0,
         };
         let mut document = Document::new(&new, Limits::default()).unwrap();
         run(&mut document, &format!("subtract cuboid at=32,{},32 half=40,20,40", GROUND_VX + 20));

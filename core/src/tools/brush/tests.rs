@@ -49,7 +49,7 @@ fn used(brush: BrushId, footprint: Footprint, reach_vx: f32) -> BrushUse {
 
 fn contents(grid: &Grid, depth: ColourDepth) -> Contents {
     let material = Material::for_grid(grid, depth, Rgb::STONE);
-    Contents { grid: grid.clone(), material, mask: None, surface: SurfaceKind::Cubes }
+    Contents { surface: SurfaceKind::Cubes, ..Contents::new(grid.clone(), material) }
 }
 
 /// Returns the change of a use in a grid, on a surface.

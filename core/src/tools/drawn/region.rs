@@ -5,7 +5,7 @@
 //! whole.
 
 use fearless_simd::Simd;
-use glam::{DVec3, IVec3, UVec3};
+use glam::{DVec3, IVec3, UVec3, Vec3};
 
 use super::plane_rows::{LinearDistance, PlaneRow};
 use super::spec::Surface;
@@ -35,6 +35,24 @@ pub struct PlacedDrawnSolid {
 }
 
 impl PlacedDrawnSolid {
+    /// Returns a box around an image of `solid`, which must be valid, in voxels of these edges. `None` if it does not
+    /// end.
+    pub fn bounds_of(
+        solid: &DrawnSolid,
+        voxel_size: Vec3,
+        image: SymmetryTransform,
+    ) -> Option<VoxelBox> {
+        let voxel_size = voxel_size.as_dvec3();
+        let stretch = voxel_size / voxel_size.min_element();
+        let [low, high] = solid.surface(stretch).bounds();
+        if !low.is_finite() || !high.is_finite() {
+            return None;
+        }
+        let ends = [low / stretch, high / stretch];
+        let [low, high] = around(ends, |p| image.point_exactly(p));
+        Some(VoxelBox { min: (low - 1.0).floor().as_ivec3(), max: (high + 1.0).ceil().as_ivec3() })
+    }
+
     /// Creates an image of `solid`, which must be valid. Covers exactly the mirrored voxels if all mirror planes lie
     /// along the grid, between voxels or through their centres.
     pub fn new(solid: &DrawnSolid, grid: &Grid, image: SymmetryTransform) -> PlacedDrawnSolid {

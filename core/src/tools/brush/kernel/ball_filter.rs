@@ -133,7 +133,7 @@ mod tests {
     fn change(grid: &Grid, symmetry: &Symmetry, of: impl Fn(&Site) -> BrushChange) -> BrushChange {
         let material = Material::for_grid(grid, ColourDepth::None, Rgb::STONE);
         let surface = SurfaceKind::Cubes;
-        let contents = Contents { grid: grid.clone(), material, mask: None, surface };
+        let contents = Contents { surface, ..Contents::new(grid.clone(), material) };
         let images = symmetry.images(grid.dims(), grid.voxel_size());
         of(&Site { contents: &contents, surface: grid, symmetry, images: &images, picture: None })
     }

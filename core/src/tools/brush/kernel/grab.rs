@@ -97,14 +97,14 @@ impl Grab {
 
     /// Returns all changes that this and its mirror images make in `contents`.
     pub fn pulled(&self, contents: &Contents, symmetry: &Symmetry) -> Pulled {
-        let (dims, size) = (contents.grid.dims(), contents.grid.voxel_size().as_dvec3());
+        let size = contents.grid.voxel_size().as_dvec3();
         let stretch = size / size.min_element();
         let radius = f64::from(self.radius);
         let steps = self.steps(contents.grid.voxel_size());
         if steps == 0 {
             return Pulled::default();
         }
-        let images = symmetry.images(dims, contents.grid.voxel_size());
+        let images = symmetry.images_in(&contents.frame, contents.grid.voxel_size());
         let origin = origin_of(&images);
         let pulls: Vec<Pull> = images
             .iter()
