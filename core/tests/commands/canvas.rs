@@ -119,7 +119,7 @@ proptest! {
 /// Returns commands about places within a box of 32 voxels an edge.
 fn line() -> impl Strategy<Value = String> {
     let place = prop::array::uniform3(8i32..16);
-    (0u8..17, place, 1i32..4, any::<u8>()).prop_map(|(kind, [x, y, z], r, c)| {
+    (0u8..16, place, 1i32..4, any::<u8>()).prop_map(|(kind, [x, y, z], r, c)| {
         let at = format!("at={x},{y},{z}");
         match kind {
             0..4 => format!("add ellipsoid {at} half={r}.25 colour=#{c:02x}8040"),
@@ -134,7 +134,6 @@ fn line() -> impl Strategy<Value = String> {
             12 => format!("symmetry plane={x},16,{z} normal=0,1,0"),
             13 => format!("gradient from={x},0,0 to={x},{y},30 colour=#000000 end=#ffffff"),
             14 => format!("noise colour=#ff0000 size=8 amount=1 seed={r}"),
-            15 => format!("deform polish {at} radius=4 normal=0,1,0"),
             _ => "array count=2 step=1,0,1".to_string(),
         }
     })
