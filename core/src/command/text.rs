@@ -384,6 +384,12 @@ fn parse_vec3(text: &str) -> Result<Vec3, String> {
     numbers::<f32, 3>(text).map(Vec3::from_array)
 }
 
+/// Reads the place of a voxel. Coordinates that no sculpture has become the nearest ones of the type.
+fn parse_place(text: &str) -> Result<IVec3, String> {
+    let near = |v: i64| v.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32;
+    numbers::<i64, 3>(text).map(|place| IVec3::from_array(place.map(near)))
+}
+
 fn parse_ivec3(text: &str) -> Result<IVec3, String> {
     numbers::<i32, 3>(text).map(IVec3::from_array)
 }
@@ -418,6 +424,12 @@ impl CommandNumber for u32 {
 }
 
 impl CommandNumber for i32 {
+    fn usable(&self) -> bool {
+        true
+    }
+}
+
+impl CommandNumber for i64 {
     fn usable(&self) -> bool {
         true
     }

@@ -190,7 +190,10 @@ fn reach_of(document: &Document, command: &Command) -> Option<VoxelBox> {
         Command::Move { by, orientation } => {
             let marked = target.selection.marker().intersect(VoxelBox::of_grid(target.grid()));
             let (size, turned) = (marked.size(), orientation.size(marked.size()));
-            let to = marked.min.saturating_add(*by) + (size.as_ivec3() - turned.as_ivec3()) / 2;
+            let to = marked
+                .min
+                .saturating_add(*by)
+                .saturating_add((size.as_ivec3() - turned.as_ivec3()) / 2);
             let moved = VoxelBox { min: to, max: to.saturating_add(turned.as_ivec3()) };
             Selection::check_marker(moved).ok().map(|()| moved)
         }

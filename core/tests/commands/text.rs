@@ -355,7 +355,7 @@ fn errors_say_what_is_wrong() {
         ),
         ("gradient from=0,0,0 colour=#ffffff end=#000000", "`gradient` needs `to=`"),
         ("noise size=3", "`noise` needs `colour=`"),
-        ("flood at=-1,2,3 colour=#ffffff", "at=-1,2,3: `-1` is not a valid number"),
+        ("flood at=-1.5,2,3 colour=#ffffff", "at=-1.5,2,3: `-1.5` is not a valid number"),
         ("mark at=0,0,0 size=1,0,1", "size=1,0,1: must be at least 1"),
         ("mark at=0,0,0 size=1,3000000000,1", "size=1,3000000000,1: is too large"),
         ("mark at=0.5,0,0 size=1,1,1", "at=0.5,0,0: `0.5` is not a valid number"),

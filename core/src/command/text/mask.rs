@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::arguments::Arguments;
 use super::{
-    ParseError, drawn_solid, list, number, parse_colour, parse_ivec3, parse_swept, solid_names,
+    ParseError, drawn_solid, list, number, parse_colour, parse_place, parse_swept, solid_names,
     write_placed,
 };
 use crate::command::{Area, Command, MaskArea, MaskChange, PatchRule};
@@ -77,7 +77,7 @@ fn parse_area(args: &mut Arguments) -> Result<MaskArea, ParseError> {
             depth_vx: args.optional("depth", number)?.unwrap_or(DEPTH_VX),
         },
         "patch" => MaskArea::Patch {
-            at: args.required("at", parse_ivec3)?,
+            at: args.required("at", parse_place)?,
             by: match (args.optional("tolerance", number)?, args.optional("angle", number)?) {
                 (None, Some(angle_deg)) => PatchRule::Flat(angle_deg),
                 (tolerance, None) => PatchRule::Colour(tolerance.unwrap_or(0.0)),
@@ -88,7 +88,7 @@ fn parse_area(args: &mut Arguments) -> Result<MaskArea, ParseError> {
             },
             depth_vx: args.optional("depth", number)?.unwrap_or(DEPTH_VX),
         },
-        "piece" => MaskArea::Piece { at: args.required("at", parse_ivec3)? },
+        "piece" => MaskArea::Piece { at: args.required("at", parse_place)? },
         _ => match drawn_solid::parse(&name, args)? {
             Some(drawn) => MaskArea::DrawnSolid(drawn),
             None => {

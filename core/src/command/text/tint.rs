@@ -5,7 +5,7 @@ use std::fmt;
 use glam::IVec3;
 
 use super::arguments::Arguments;
-use super::{ParseError, list, number, parse_colour, parse_ivec3, parse_vec3, selection};
+use super::{ParseError, list, number, parse_colour, parse_place, parse_vec3, selection};
 use crate::command::{Area, Command};
 use crate::sculpture::Rgb;
 use crate::tools::tint::Tint;
@@ -70,7 +70,7 @@ pub(crate) fn write_flood(
 /// Reads the arguments after the verb of a flood fill.
 pub(crate) fn parse_flood(args: &mut Arguments) -> Result<Command, ParseError> {
     Ok(Command::Flood {
-        at: args.required("at", parse_ivec3)?,
+        at: args.required("at", parse_place)?,
         colour: args.required("colour", parse_colour)?,
         tolerance: args.optional("tolerance", number)?.unwrap_or(0.0),
     })
