@@ -57,6 +57,7 @@ const LINES: [&str; 57] = [
     "cut",
     "paste at=1,1,1 axes=y,-x,z",
     "move by=2,0,0 axes=x,z,-y",
+    "canvas grow by=9 sides=x,-y",
     "array count=3 step=2,0,1",
     "orient axes=x,-z,y",
     "remove-islands keep=largest smaller=9",
