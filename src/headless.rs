@@ -15,7 +15,7 @@ use glam::{UVec2, UVec3, Vec3};
 use thiserror::Error;
 
 use crate::command::text::{ScriptError, parse_script};
-use crate::command::{COMMANDS, Command};
+use crate::command::{COMMANDS, Command, NewSculpture};
 use crate::config::Config;
 use crate::document::Document;
 use crate::fiducial::{family, sheet};
@@ -88,9 +88,10 @@ pub struct Context<'a> {
 }
 
 impl Context<'_> {
-    /// Returns a session with the new sculpture of the settings.
+    /// Returns a session with the new sculpture of the settings, in a box that fits it: scripts say if it should grow.
     pub fn new_session(&self) -> Result<Session, SessionError> {
-        Session::new(&self.config.new_sculpture(), self.config.limits())
+        let new = NewSculpture { room_vx: 0, grows: false, ..self.config.new_sculpture() };
+        Session::new(&new, self.config.limits())
     }
 
     /// Returns a session with the contents of a file.

@@ -114,6 +114,7 @@ fn an_edit_allocates_for_its_command_and_nothing_for_its_voxels() {
         base: Rgb::default(),
         solid: true,
         room_vx: 0,
+        grows: false,
     };
     let mut document = Document::new(&new, Limits::default()).unwrap();
     let ball = |radius: f32| {

@@ -29,6 +29,7 @@ fn document(solid: bool, colour_depth: ColourDepth) -> Document {
         base: Rgb::new(200, 190, 170),
         solid,
         room_vx: 0,
+        grows: false,
     };
     Document::new(&new, Limits::default()).expect("512^3 is within the default limits")
 }

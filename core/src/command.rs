@@ -54,6 +54,8 @@ pub struct NewSculpture {
     pub solid: bool,
     /// Empty voxels around the block at every side.
     pub room_vx: u32,
+    /// Tools that reach beyond the box make it grow.
+    pub grows: bool,
 }
 
 /// A value that changes a sculpture.

@@ -291,6 +291,7 @@ pub fn make_contents(new: &NewSculpture, limits: &Limits) -> Result<Contents, Co
         grid.fill_box(block);
     }
     let material = Material::for_grid(&grid, new.colour_depth, new.base);
-    let frame = CanvasFrame { origin: IVec3::splat(-(room as i32)), ..CanvasFrame::of(new.dims) };
+    let origin = IVec3::splat(-(room as i32));
+    let frame = CanvasFrame { origin, home: new.dims, grows: new.grows };
     Ok(Contents { frame, ..Contents::new(grid, material) })
 }

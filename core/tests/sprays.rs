@@ -25,6 +25,7 @@ fn block(colour_depth: ColourDepth) -> Document {
         base: Rgb::STONE,
         solid: true,
         room_vx: 0,
+        grows: false,
     };
     Document::new(&new, Limits::default()).unwrap()
 }

@@ -152,7 +152,8 @@ fn press(workspace: &mut Workspace) -> Vec2 {
     let grid = workspace.session().document().grid();
     raycast::sample(grid, &sight.rays, &mut map);
     let at = sight.pixel_of(grid.dims().as_vec3() * 0.5).unwrap();
-    workspace.viewpoint.set_pick_map(Arc::new(map));
+    let Workspace { viewpoint, editor, .. } = workspace;
+    viewpoint.set_pick_map(Arc::new(map), editor.document());
     workspace.answer_event(&ActionEvent::Begin { action: Action::Sculpt, at: Some(at) });
     assert!(workspace.editor.is_stroking());
     at

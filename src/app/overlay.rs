@@ -298,6 +298,7 @@ mod tests {
             base: Rgb::STONE,
             solid: true,
             room_vx: 0,
+            grows: false,
         };
         Document::new(&new, Limits::default()).unwrap()
     }

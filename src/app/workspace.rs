@@ -489,7 +489,7 @@ impl Workspace {
             document,
             view: &self.ui.view,
             theme: self.ui.appearance.theme,
-            seen: self.viewpoint.pick_map(),
+            seen: self.viewpoint.pick_map(document).map(|map| &**map),
             pointer: self.editor.pointer(),
             stroking: self.editor.is_stroking(),
             sketch: self.editor.sketch(&picker),
@@ -510,7 +510,7 @@ impl Workspace {
         let FrameReport { pick_maps, times, fallbacks, .. } = report;
         self.take_fallbacks(&fallbacks);
         if let Some(map) = pick_maps.get(self.viewpoint.pointing_eye).or(pick_maps.first()) {
-            self.viewpoint.set_pick_map(map.clone());
+            self.viewpoint.set_pick_map(map.clone(), self.editor.document());
         }
         self.display.times.sample_ms = times.sample_ms;
         self.display.times.shade_ms = times.shade_ms;

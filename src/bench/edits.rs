@@ -219,6 +219,7 @@ pub(super) fn block(colour_depth: ColourDepth, limits: Limits) -> Result<Documen
         base: Rgb::new(200, 190, 170),
         solid: true,
         room_vx: 0,
+        grows: false,
     };
     Document::new(&new, limits)
 }

@@ -3,7 +3,7 @@
 //!
 //! The model has types of its own for these ([`Limits`], [`NewSculpture`]); these are their text form.
 
-use glam::Vec3;
+use glam::{UVec3, Vec3};
 use serde::{Deserialize, Deserializer, de};
 
 use crate::command::NewSculpture;
@@ -11,6 +11,7 @@ use crate::document::Limits;
 use crate::folders;
 use crate::options::{self, InvalidOption, require, require_in};
 use crate::persist::saved_history::SavedHistoryOptions;
+use crate::sculpture::grid::MAX_AXIS_VX;
 use crate::sculpture::{ColourDepth, Grid, Rgb};
 
 #[derive(Clone, PartialEq, Debug, Deserialize)]
@@ -117,6 +118,8 @@ pub struct NewOptions {
     pub colour_bits: ColourDepth,
     #[serde(deserialize_with = "options::from_text")]
     pub base: Rgb,
+    pub room: u32,
+    pub grow: bool,
 }
 
 impl Default for NewOptions {
@@ -125,6 +128,8 @@ impl Default for NewOptions {
             dims: [256; 3],
             colour_bits: ColourDepth::Bits24,
             base: crate::command::text::DEFAULT_BASE,
+            room: 0,
+            grow: true,
         }
     }
 }
@@ -136,18 +141,26 @@ impl NewOptions {
             "dims",
             format_args!("{:?}", self.dims),
             "must be 1 to 4096 voxels per axis",
+        )?;
+        let room = UVec3::splat(self.room.min(MAX_AXIS_VX) * 2);
+        require(
+            Grid::check_size(UVec3::from(self.dims) + room, Vec3::ONE).is_ok(),
+            "room",
+            self.room,
+            "leaves more than 4096 voxels per axis",
         )
     }
 
     /// Returns a solid block.
     pub(super) fn sculpture(&self) -> NewSculpture {
         NewSculpture {
-            room_vx: 0,
             dims: self.dims.into(),
             voxel_size: Vec3::ONE,
             colour_depth: self.colour_bits,
             base: self.base,
             solid: true,
+            room_vx: self.room,
+            grows: self.grow,
         }
     }
 }

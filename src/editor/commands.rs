@@ -6,6 +6,8 @@
 
 use std::time::{Duration, Instant};
 
+use glam::IVec3;
+
 use super::autosave::{Autosave, Due};
 use super::idle::{IdleTool, StrokeTally, Trial, Walls, goes_beyond, is_explained};
 use super::job::{Busy, Failure, Jobs, Product, Then};
@@ -17,6 +19,7 @@ use crate::format;
 use crate::notice::Notice;
 use crate::progress::ProgressReport;
 use crate::remedy::told;
+use crate::sculpture::canvas_frame::Canvas;
 use crate::sculpture::edit::EditStats;
 use crate::session::{FinishedWork, Session, SessionError, Work};
 
@@ -34,6 +37,8 @@ pub(super) struct CommandRunner {
     voxels_changed: u64,
     /// The sculpture has been replaced since this was last asked.
     is_replaced: bool,
+    /// How far the coordinates of the grid have moved, in voxels.
+    shift_vx: IVec3,
     outcomes: Vec<Outcome>,
 }
 
@@ -48,6 +53,7 @@ impl CommandRunner {
             walls: Walls::default(),
             voxels_changed: 0,
             is_replaced: false,
+            shift_vx: IVec3::ZERO,
             outcomes: Vec::new(),
         }
     }
@@ -186,16 +192,14 @@ impl CommandRunner {
             self.refuse(command);
             return None;
         }
-        let (dims, origin) = (self.document().grid().dims(), self.document().origin());
+        let before = self.document().contents().canvas();
         // Tools name places in the grid.
-        match self.session.execute(&command.translated(origin), &()) {
+        match self.session.execute(&command.translated(before.frame.origin), &()) {
             Ok(applied) => {
                 let changed = applied.stats.voxels_changed();
                 self.voxels_changed += changed;
                 self.note_changes(command, changed);
-                if self.document().grid().dims() != dims {
-                    self.replaced();
-                }
+                self.follow_canvas(&before);
                 self.tell_journal_error();
                 Some(applied)
             }
@@ -303,9 +307,24 @@ impl CommandRunner {
         self.note(format!("`{verb}` must wait until the current task has finished"));
     }
 
+    /// Notes whether the sculpture has been replaced by one of another size, or has another box.
+    fn follow_canvas(&mut self, before: &Canvas) {
+        let after = self.document().contents().canvas();
+        if after.frame.home != before.frame.home {
+            self.replaced();
+        } else {
+            self.shift_vx += before.frame.origin - after.frame.origin;
+        }
+    }
+
+    /// Returns how far the coordinates of the grid have moved since the last call, in voxels.
+    pub fn take_shift(&mut self) -> IVec3 {
+        std::mem::take(&mut self.shift_vx)
+    }
+
     /// Notes that the sculpture has been replaced.
     fn replaced(&mut self) {
-        self.is_replaced = true;
+        (self.is_replaced, self.shift_vx) = (true, IVec3::ZERO);
         self.push(Outcome::Replaced);
     }
 
@@ -459,7 +478,7 @@ impl CommandRunner {
     /// Applies the result of the long part of a command. Returns true if that succeeded.
     fn complete(&mut self, done: FinishedWork) -> bool {
         let command = done.command().clone();
-        let dims = self.document().grid().dims();
+        let before = self.document().contents().canvas();
         let applied = match self.session.complete(done) {
             Ok(applied) => applied,
             Err(error) => {
@@ -478,8 +497,7 @@ impl CommandRunner {
                 self.note(format!("Saved {}", path.display()));
             }
             Command::Save { path, .. } => self.note(format!("Exported {}", path.display())),
-            Command::Undo { .. } | Command::Redo { .. }
-                if self.document().grid().dims() == dims => {}
+            Command::Undo { .. } | Command::Redo { .. } => self.follow_canvas(&before),
             _ => self.replaced(),
         }
         self.session.take_notes().into_iter().for_each(|note| self.note(note));

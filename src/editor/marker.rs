@@ -35,7 +35,7 @@ pub(super) struct MarkerTool {
     drag: Option<MarkerDrag>,
     /// The movement by drags that whole voxels leave over.
     rest: Vec3,
-    /// The box that was selected only to limit tools to the marker.
+    /// The box that was selected only to limit tools to the marker, in signed coordinates.
     lent_to_limit: Option<VoxelBox>,
 }
 
@@ -177,16 +177,17 @@ impl MarkerTool {
             Action::DropBox => vec![Command::Select(SelectOp::Drop)],
             Action::ClearSelection => vec![Command::Select(SelectOp::Clear)],
             Action::ToggleLimit => {
-                let selection = document.selection();
+                let (selection, origin) = (document.selection(), document.origin());
                 let (limits, empty) = (selection.limits(), selection.boxes().is_empty());
                 let lent = self.lent_to_limit.take();
+                let lent = lent.map(|bounds| bounds.shifted(-origin));
                 let lent = lent.map(|bounds| SelectedBox { bounds, adds: true });
                 let only_lent = lent.is_some_and(|lent| selection.boxes() == [lent]);
                 // Limiting tools without a selection means the marker, and the next time the marker at its position by
                 // then.
                 let limit = Command::Limit(!limits);
                 if !limits && empty {
-                    self.lent_to_limit = Some(marker);
+                    self.lent_to_limit = Some(marker.shifted(origin));
                     vec![Command::Select(SelectOp::Add), limit]
                 } else if limits && only_lent {
                     vec![Command::Select(SelectOp::Clear), limit]

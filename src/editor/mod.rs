@@ -214,8 +214,9 @@ impl Editor {
         self.follow_replacement();
     }
 
-    /// Resets the tools if the sculpture has been replaced.
+    /// Resets the tools if the sculpture has been replaced, and moves them along with the coordinates of its grid.
     fn follow_replacement(&mut self) {
+        self.stroking().follow_shift();
         if self.commands.take_replaced() {
             self.draw = DrawTool::default();
             self.tool.reset_pose(self.commands.document().grid().dims());

@@ -105,6 +105,14 @@ impl SurfaceAnchor {
         }
     }
 
+    /// Moves along with the coordinates of the grid.
+    pub fn shift(&mut self, by_vx: Vec3) {
+        if let Some(ground) = &mut self.ground {
+            ground.point += by_vx;
+        }
+        self.worked_at = self.worked_at.map(|at| at + by_vx);
+    }
+
     /// Detaches the tool from the surface, so that the pointer no longer places it.
     pub fn leave(&mut self, tool: &ToolState) {
         (self.ground, self.choices) = (None, Some(Choices::of(tool)));

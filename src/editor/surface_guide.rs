@@ -8,7 +8,7 @@ use std::sync::Arc;
 use glam::{IVec3, Vec2, Vec3};
 
 use crate::picking::Picker;
-use crate::picking::geometry::{lasting, surface_point};
+use crate::picking::geometry::{lasting, shifted_surface_point};
 use crate::sculpture::Grid;
 use crate::surface::IndexMap;
 
@@ -24,6 +24,8 @@ const STEPS: f32 = 10.0;
 /// The pointer on the surface.
 pub(super) struct SurfaceGuide {
     seen: Option<Arc<IndexMap>>,
+    /// How far the grid's coordinates have moved since then, in voxels.
+    shift_vx: IVec3,
     /// Its position, in pixels.
     at: Vec2,
     /// Depth of the last point, used where the pointer is beside the sculpture.
@@ -34,7 +36,12 @@ impl SurfaceGuide {
     /// Starts with the pointer at `at` (pixels) on `point` of the surface.
     pub fn new(at: Vec2, point: Vec3, grid: &Grid, picker: &Picker) -> SurfaceGuide {
         let seen = picker.map().map(|map| lasting(map, grid));
-        SurfaceGuide { seen, at, depth: picker.sight().depth(point) }
+        SurfaceGuide { seen, shift_vx: IVec3::ZERO, at, depth: picker.sight().depth(point) }
+    }
+
+    /// Moves along with the coordinates of the grid.
+    pub fn shift(&mut self, by_vx: Vec3) {
+        self.shift_vx += by_vx.as_ivec3();
     }
 
     /// Returns whether the view is still that of the recorded surface.
@@ -66,7 +73,7 @@ impl SurfaceGuide {
     /// Returns the point under `look` (pixels).
     fn point_at(&mut self, look: Vec2, grid: &Grid, picker: &Picker) -> Vec3 {
         let sight = picker.sight();
-        let found = self.seen.as_ref().and_then(|map| surface_point(map, grid, look));
+        let found = self.seen.as_ref().and_then(|map| shifted_surface_point(map, grid, look, self.shift_vx));
         let point = found.map_or_else(|| sight.at_depth(look, self.depth), |seen| seen.point);
         self.depth = sight.depth(point);
         point

@@ -123,6 +123,7 @@ mod tests {
             base: Rgb([128; 3]),
             solid: false,
             room_vx: 0,
+            grows: false,
         };
         let mut document = Document::new(&new, Limits::default()).unwrap();
         for line in

@@ -148,6 +148,7 @@ mod tests {
             base: Rgb::STONE,
             solid: true,
             room_vx: 0,
+            grows: false,
         };
         Session::new(&new, Limits::default()).unwrap()
     }

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use glam::{Affine3A, Mat4, UVec3, Vec2, Vec3, Vec4Swizzles};
+use glam::{Affine3A, IVec3, Mat4, UVec3, Vec2, Vec3, Vec4Swizzles};
 
 use crate::input::ScreenDirection;
 use crate::sculpture::Grid;
@@ -24,11 +24,21 @@ pub struct SurfacePoint {
 /// face, or come from behind a neighbour; then the result is the point of the face nearest to the ray's hit on the
 /// face's plane.
 pub fn surface_point(map: &IndexMap, grid: &Grid, at: Vec2) -> Option<SurfacePoint> {
+    shifted_surface_point(map, grid, at, IVec3::ZERO)
+}
+
+/// As [`surface_point`], for a map of a picture since which the coordinates of the grid have moved by `shift_vx`.
+pub fn shifted_surface_point(
+    map: &IndexMap,
+    grid: &Grid,
+    at: Vec2,
+    shift_vx: IVec3,
+) -> Option<SurfacePoint> {
     let voxel = voxel_at(map, grid, at)?;
     let low = voxel.as_vec3();
     let PixelRays { origin, .. } = map.rays;
     let middle = at.floor() + 0.5;
-    let axis = seen_face(grid, voxel, origin, map.rays.direction_at(middle.x, middle.y));
+    let axis = seen_face(grid, voxel, shift_vx, origin, map.rays.direction_at(middle.x, middle.y));
     let direction = map.rays.direction_at(at.x, at.y);
     let outwards = if direction[axis] > 0.0 { -1.0 } else { 1.0 };
     let plane = low[axis] + 0.5 + 0.5 * outwards;
@@ -37,12 +47,19 @@ pub fn surface_point(map: &IndexMap, grid: &Grid, at: Vec2) -> Option<SurfacePoi
     let met = if t.is_finite() { origin + direction * t.max(0.0) } else { low + 0.5 };
     let mut point = met.clamp(low, low + 1.0);
     point[axis] = plane;
+    point += shift_vx.as_vec3();
     Some(SurfacePoint { point, face: Vec3::AXES[axis] * outwards })
 }
 
 /// Returns the axis of the face by which a ray enters a visible voxel: the last plane that it crosses among the open
 /// faces. A ray that reaches the voxel only by rounding crosses them in nearly the same order.
-fn seen_face(grid: &Grid, voxel: UVec3, origin: Vec3, direction: Vec3) -> usize {
+fn seen_face(
+    grid: &Grid,
+    voxel: UVec3,
+    shift_vx: IVec3,
+    origin: Vec3,
+    direction: Vec3,
+) -> usize {
     let enter = |axis: usize| {
         let near = voxel[axis] as f32 + if direction[axis] < 0.0 { 1.0 } else { 0.0 };
         match direction[axis] {
@@ -51,7 +68,7 @@ fn seen_face(grid: &Grid, voxel: UVec3, origin: Vec3, direction: Vec3) -> usize 
         }
     };
     let is_open = |axis: usize| {
-        let mut before = voxel.as_ivec3();
+        let mut before = voxel.as_ivec3() + shift_vx;
         before[axis] -= direction[axis].signum() as i32;
         !grid.get(before)
     };

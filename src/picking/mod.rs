@@ -7,7 +7,7 @@ pub mod geometry;
 
 use std::sync::Arc;
 
-use glam::{UVec3, Vec2, Vec3};
+use glam::{IVec3, UVec3, Vec2, Vec3};
 
 use crate::sculpture::Grid;
 use crate::shade::normal;
@@ -19,17 +19,24 @@ pub use geometry::{ScreenAxes, Sight, SurfacePoint};
 pub struct Picker {
     sight: Sight,
     map: Option<Arc<IndexMap>>,
+    origin: IVec3,
 }
 
 impl Picker {
     /// Creates a picker. `map`: the voxels of the last picture; `None` before there is one.
-    pub fn new(sight: Sight, map: Option<Arc<IndexMap>>) -> Picker {
-        Picker { sight, map }
+    /// `origin`: of the grid's coordinates, in signed ones.
+    pub fn new(sight: Sight, map: Option<Arc<IndexMap>>, origin: IVec3) -> Picker {
+        Picker { sight, map, origin }
     }
 
     /// Returns the view of the grid in the next picture.
     pub fn sight(&self) -> &Sight {
         &self.sight
+    }
+
+    /// Returns the signed coordinates of the grid's lowest corner when it was made. Later, tools may have moved it.
+    pub fn origin(&self) -> IVec3 {
+        self.origin
     }
 
     /// Returns the voxels of the last picture.

@@ -63,7 +63,7 @@ impl WarmUp {
         let desc = FrameDesc {
             eyes: &[eye; 2],
             world_from_grid: Placement::default()
-                .world_from_grid(document.grid().dims(), document.grid().voxel_size()),
+                .world_from_framed(&document.contents().frame, document.grid().voxel_size()),
             mode: self.mode,
             smooth_surface: SmoothSurface::Never,
             sample: 0,

@@ -18,7 +18,7 @@ pub mod turntable;
 use std::sync::Arc;
 use std::time::Duration;
 
-use glam::{UVec2, Vec2, Vec3};
+use glam::{IVec3, UVec2, Vec2, Vec3};
 
 use crate::document::Document;
 use crate::input::pace::{TrackingSource as Tracked, ViewPace};
@@ -52,8 +52,8 @@ pub struct Viewpoint {
     /// Detects jumps of the view's tracking.
     pace: ViewPace,
     viewport: ViewportRect,
-    /// The voxels of the last picture, for picking.
-    pick_map: Option<Arc<IndexMap>>,
+    /// The voxels of the last picture, for picking, and the origin of the grid's coordinates then.
+    pick_map: Option<(Arc<IndexMap>, IVec3)>,
     /// The eye whose picture the pointer is in: 0, or 1 if the right eye has a picture of its own.
     pub pointing_eye: usize,
 }
@@ -137,17 +137,18 @@ impl Viewpoint {
     /// Returns the picker for the picture as it was last shown.
     pub fn picker(&self, document: &Document, stereo: &StereoOptions) -> Picker {
         let sight = Sight::new(&self.eye(document, stereo), &document.world_from_grid());
-        Picker::new(sight, self.pick_map.clone())
+        Picker::new(sight, self.pick_map(document).cloned(), document.origin())
     }
 
-    /// Sets the index map of the last picture.
-    pub fn set_pick_map(&mut self, map: Arc<IndexMap>) {
-        self.pick_map = Some(map);
+    /// Sets the index map of the last picture, which showed this document.
+    pub fn set_pick_map(&mut self, map: Arc<IndexMap>, document: &Document) {
+        self.pick_map = Some((map, document.origin()));
     }
 
-    /// Returns the index map of the last picture.
-    pub fn pick_map(&self) -> Option<&IndexMap> {
-        self.pick_map.as_deref()
+    /// Returns the index map of the last picture, if the coordinates of the grid are still those that it has.
+    pub fn pick_map(&self, document: &Document) -> Option<&Arc<IndexMap>> {
+        let (map, origin) = self.pick_map.as_ref()?;
+        (*origin == document.origin()).then_some(map)
     }
 
     /// Drops the index map, so that the renderer can reuse its memory.
@@ -157,8 +158,13 @@ impl Viewpoint {
 
     /// Returns the placement that shows all of the sculpture from a side.
     pub fn look_from(&mut self, side: Side, up: Vec3, document: &Document) -> Placement {
-        let placement = self.turntable.looking_from(side, up, document.placement());
-        self.turntable.show_all(document.grid(), &placement);
+        let mut placement = self.turntable.looking_from(side, up, document.placement());
+        let (grid, frame) = (document.grid(), &document.contents().frame);
+        if frame.centre_vx() != grid.dims().as_vec3() * 0.5 {
+            let world_from_grid = placement.world_from_framed(frame, grid.voxel_size());
+            placement.translation -= world_from_grid.transform_point3(grid.dims().as_vec3() * 0.5);
+        }
+        self.turntable.show_all(grid, &placement);
         placement
     }
 

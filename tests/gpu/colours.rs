@@ -77,6 +77,7 @@ fn the_copy_follows_paint_and_undo_in_frames_and_at_once() {
                 base: Rgb::new(200, 200, 200),
                 solid: true,
                 room_vx: 0,
+                grows: false,
             };
             let mut document = Document::new(&new, Limits::default()).unwrap();
             let mut frames = Frames::new(device).unwrap();

@@ -46,6 +46,7 @@ fn a_reference_picture_stands_in_the_scene_and_is_hidden_by_what_is_before_it() 
             base: Rgb::STONE,
             solid: true,
             room_vx: 0,
+            grows: false,
         };
         let mut document = Document::new(&new, Limits::default()).unwrap();
         let world_from_grid = Placement::default().world_from_grid(UVec3::splat(32), Vec3::ONE);

@@ -32,6 +32,7 @@ fn document(dims: [u32; 3], solid: bool) -> Document {
         base: Rgb::new(200, 200, 200),
         solid,
         room_vx: 0,
+        grows: false,
     };
     Document::new(&new, Limits::default()).unwrap()
 }

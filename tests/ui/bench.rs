@@ -51,7 +51,8 @@ pub fn look(harness: &mut Bench) {
     let rays = bench.eye().pixel_rays(&bench.world_from_grid());
     let mut map = IndexMap::new(rays);
     raycast::sample(bench.session().document().grid(), &rays, &mut map);
-    bench.viewpoint.set_pick_map(Arc::new(map));
+    let Workspace { viewpoint, editor, .. } = bench;
+    viewpoint.set_pick_map(Arc::new(map), editor.document());
 }
 
 pub fn voxels(harness: &Bench) -> u64 {

@@ -42,7 +42,7 @@ fn progress(harness: &Bench) -> Option<Progress> {
 fn sketch(harness: &Bench) -> Option<Sketch> {
     let bench = harness.state();
     let sight = Sight::new(&bench.eye(), &bench.world_from_grid());
-    bench.editor.sketch(&Picker::new(sight, None))
+    bench.editor.sketch(&Picker::new(sight, None, bench.session().document().origin()))
 }
 
 /// The lowest and the highest corner of what is shown.

@@ -63,7 +63,7 @@ struct HelpRow {
 const TABLE: &[HelpRow] = &[
     HelpRow {
         verb: "new",
-        usage: "dims=X,Y,Z [size=SX,SY,SZ] [colour=0|8|16|24] [base=#rrggbb] [fill=solid|empty] [room=VOXELS]",
+        usage: "dims=X,Y,Z [size=SX,SY,SZ] [colour=0|8|16|24] [base=#rrggbb] [fill=solid|empty] [room=VOXELS] [grow=on|off]",
         tooltip: "Replace the sculpture with a new block of voxels, with empty room around it",
     },
     HelpRow {

@@ -146,7 +146,10 @@ fn write_new(new: &NewSculpture, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     write!(f, " dims={} size={}", list(new.dims.to_array()), list(new.voxel_size.to_array()))?;
     let fill = if new.solid { "solid" } else { "empty" };
     write!(f, " colour={} base={} fill={fill}", new.colour_depth.bits(), new.base)?;
-    if new.room_vx > 0 { write!(f, " room={}", new.room_vx) } else { Ok(()) }
+    if new.room_vx > 0 {
+        write!(f, " room={}", new.room_vx)?;
+    }
+    if new.grows { f.write_str(" grow=on") } else { Ok(()) }
 }
 
 fn write_placement(p: &Placement, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -267,6 +270,7 @@ fn parse_new(args: &mut Arguments) -> Result<NewSculpture, ParseError> {
             })?
             .unwrap_or(true),
         room_vx: args.optional("room", number)?.unwrap_or(0),
+        grows: args.optional("grow", |text| selection::is_on(text).ok_or("must be on or off".into()))?.unwrap_or(false),
     })
 }
 

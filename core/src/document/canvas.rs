@@ -245,15 +245,15 @@ fn beyond(reach: VoxelBox, dims: UVec3) -> [UVec3; 2] {
     [low.as_uvec3(), high.as_uvec3()]
 }
 
-/// Returns a box with so many more voxels at its lower and upper sides, or with less if the limits do not allow more.
+/// Returns a box with so many more voxels at its lower and upper sides, or with as many as an axis can have.
 fn fitting(target: &EditTarget, outside: [UVec3; 2]) -> Option<Canvas> {
     let now = target.contents.canvas();
-    let most = UVec3::splat(2 * MAX_AXIS_VX);
-    let step = |v: UVec3| v.min(most).map(|v| v.next_multiple_of(CANVAS_STEP_VX));
-    let [low, high] = outside.map(step);
-    let mut smaller =
-        (1..=8).rev().map(|eighths| now.grown_by(low * eighths / 8, high * eighths / 8));
-    smaller.find(|to| check_canvas(&target.contents, to, &target.limits).is_ok())
+    let left = UVec3::splat(MAX_AXIS_VX).saturating_sub(now.dims);
+    let [low, high] = outside
+        .map(|side| side.min(left).map(|side_vx| side_vx.next_multiple_of(CANVAS_STEP_VX)));
+    let low = low.min(left / CANVAS_STEP_VX * CANVAS_STEP_VX);
+    let to = now.grown_by(low, high.min(left - low));
+    check_canvas(&target.contents, &to).is_ok().then_some(to)
 }
 
 /// Executes a command that adds voxels on a copy.

@@ -25,8 +25,8 @@ pub enum CanvasError {
     Invalid(#[from] InvalidValue),
 }
 
-/// Returns an error if the canvas is not possible for the contents within `limits`.
-pub fn check_canvas(contents: &Contents, to: &Canvas, limits: &Limits) -> Result<(), CanvasError> {
+/// Returns an error if the contents cannot have the canvas, whatever memory they then take.
+pub fn check_canvas(contents: &Contents, to: &Canvas) -> Result<(), CanvasError> {
     let (grid, from) = (&contents.grid, contents.canvas());
     to.frame.check()?;
     let step = (from.frame.origin - to.frame.origin) % CANVAS_STEP_VX as i32;
@@ -45,7 +45,7 @@ pub fn reframed(
     to: &Canvas,
     limits: &Limits,
 ) -> Result<Contents, CanvasError> {
-    check_canvas(contents, to, limits)?;
+    check_canvas(contents, to)?;
     let shift = (contents.frame.origin - to.frame.origin) / CANVAS_STEP_VX as i32;
     let of_bits = |bits: &Grid| grid::reframed(bits, to.dims, shift);
     let mut result = Contents {

@@ -17,6 +17,7 @@ fn a_picture_is_read_anew_with_every_stroke() {
         base: Rgb([128; 3]),
         solid: true,
         room_vx: 0,
+        grows: false,
     };
     let mut session = Session::new(&new, Limits::default()).unwrap();
     let paint = format!("texture \"{}\" cuboid at=8,8,8 half=4", path.display());
@@ -51,6 +52,7 @@ fn ball(voxels: u32) -> Session {
         base: Rgb([128; 3]),
         solid: true,
         room_vx: 0,
+        grows: false,
     };
     Session::new(&new, Limits::default()).unwrap()
 }

@@ -28,6 +28,7 @@ fn document(dims: [u32; 3], solid: bool) -> Document {
         base: Rgb::STONE,
         solid,
         room_vx: 0,
+        grows: false,
     };
     Document::new(&new, Limits::default()).unwrap()
 }

@@ -289,14 +289,13 @@ fn brushes_pastes_moves_and_strokes_grow_the_box() {
 
 #[test]
 fn beyond_the_limits_tools_are_clipped() {
-    let limits = Limits { grid_bytes: 80_000, ..Limits::default() };
-    let mut document = document("new dims=40,40,40", limits);
+    let mut document = document("new dims=4000,40,40", Limits::default());
     apply(&mut document, "canvas auto on");
     let before = document.contents().clone();
-    apply(&mut document, "subtract cuboid at=38,20,20 half=2");
-    apply(&mut document, "add cuboid at=300,20,20 half=270,2,2");
+    apply(&mut document, "subtract cuboid at=3998,20,20 half=2");
+    apply(&mut document, "add cuboid at=4200,20,20 half=204,2,2");
     let grown = document.grid().dims();
-    assert!(grown.x > 40 && grown.x < 570, "{grown}");
+    assert_eq!(grown, UVec3::new(4096, 40, 40));
     for line in ["canvas grow by=300", "canvas size dims=5000,1,1", "canvas size dims=0,1,1"] {
         let error = document.apply(&line.parse().unwrap()).unwrap_err().to_string();
         assert!(error.contains("grid of"), "{error}");
@@ -309,6 +308,18 @@ fn beyond_the_limits_tools_are_clipped() {
     assert!(error.contains("no voxels"), "{error}");
     apply(&mut document, "begin");
     assert!(document.apply(&"canvas grow by=1".parse().unwrap()).is_err());
+}
+
+#[test]
+fn the_box_does_not_grow_for_more_than_the_memory_allows() {
+    let mut document = document("new dims=40,40,40", Limits { grid_bytes: 20_000, ..Limits::default() });
+    apply(&mut document, "canvas auto on");
+    let before = document.contents().clone();
+    // The shell of this ball alone takes more.
+    assert!(document.apply(&"add ellipsoid at=100,20,20 half=60".parse().unwrap()).is_ok());
+    assert_eq!(document.contents(), &before);
+    apply(&mut document, "add ellipsoid at=41,20,20 half=4");
+    assert_eq!(document.grid().dims(), UVec3::new(104, 40, 40));
 }
 
 #[test]

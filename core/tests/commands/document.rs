@@ -209,6 +209,7 @@ proptest! {
 pub fn painted(dims: UVec3, depth: ColourDepth, solid: bool) -> NewSculpture {
     NewSculpture {
         room_vx: 0,
+        grows: false,
         dims,
         voxel_size: Vec3::ONE,
         colour_depth: depth,

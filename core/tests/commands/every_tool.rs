@@ -65,6 +65,7 @@ fn document(fill: &[&str], solid: bool) -> Document {
         base: Rgb::STONE,
         solid,
         room_vx: 0,
+        grows: false,
     };
     let mut document = Document::new(&new, Limits::default()).unwrap();
     let stripes = (0..64).map(|i| if i % 8 < 4 { Rgb::STONE } else { Rgb::new(1, 2, 3) });

@@ -114,6 +114,7 @@ impl Model {
 fn new() -> NewSculpture {
     NewSculpture {
         room_vx: 0,
+        grows: false,
         dims: UVec3::splat(8),
         voxel_size: Vec3::ONE,
         colour_depth: ColourDepth::None,

@@ -61,6 +61,7 @@ fn document() -> Document {
         base: Rgb::STONE,
         solid: false,
         room_vx: 0,
+        grows: false,
     };
     let mut document = Document::new(&new, Limits::default()).unwrap();
     let stripes = (0..64).map(|i| if i % 8 < 4 { Rgb::STONE } else { Rgb::new(1, 2, 3) });
@@ -405,6 +406,7 @@ fn invalid_masks_are_refused() {
         base: Rgb::STONE,
         solid: true,
         room_vx: 0,
+        grows: false,
     };
     let limits = Limits { grid_bytes: 4 << 10, ..Limits::default() };
     let mut small = Document::new(&new, limits).unwrap();

@@ -105,6 +105,7 @@ fn solids_and_their_mirror_images_equal_whole_numbers_in_all_48_orientations() {
                     base: Rgb::STONE,
                     solid: filled,
                     room_vx: 0,
+                    grows: false,
                 };
                 let grid = grid_with(&new, symmetry, op, primitive);
                 let planes = symmetry.axes.map(|parity| match parity {

@@ -135,6 +135,7 @@ fn hostile() -> impl Strategy<Value = Command> {
                 base: Rgb::STONE,
                 solid: true,
                 room_vx: 0,
+                grows: false,
             })
         });
     prop_oneof![
@@ -249,6 +250,7 @@ fn solids_beyond_a_million_voxels_are_refused_as_those_that_are_drawn_are() {
         base: Rgb::STONE,
         solid: true,
         room_vx: 0,
+        grows: false,
     };
     let mut document = Document::new(&new, Limits::default()).unwrap();
     let before = State::of(&document);

@@ -111,6 +111,7 @@ fn scripts_have_the_same_result_as_their_commands() {
         base: Rgb::default(),
         solid: true,
         room_vx: 0,
+        grows: false,
     };
     let mut document = Document::new(&new, Limits::default()).unwrap();
     for (line, command) in parse_script(script).unwrap() {

@@ -79,6 +79,7 @@ pub fn new_sculpture(longest_vx: u32) -> impl Strategy<Value = NewSculpture> {
             base,
             solid,
             room_vx: 0,
+            grows: false,
         })
 }
 
@@ -300,9 +301,10 @@ pub fn any_command() -> impl Strategy<Value = Command> {
         },
     );
     let room = prop_oneof![Just(0), any::<u32>()];
-    let new = (new_sculpture(9), any::<[u32; 3]>(), any_vec3(), room).prop_map(
-        |(new, dims, size, room_vx)| {
-            Command::New(NewSculpture { dims: dims.into(), voxel_size: size, room_vx, ..new })
+    let new = (new_sculpture(9), any::<[u32; 3]>(), any_vec3(), room, any::<bool>()).prop_map(
+        |(new, dims, voxel_size, room_vx, grows)| {
+            let dims = dims.into();
+            Command::New(NewSculpture { dims, voxel_size, room_vx, grows, ..new })
         },
     );
     let size = any::<[u32; 3]>().prop_map(|dims| CanvasChange::Size(dims.into()));

@@ -20,6 +20,7 @@ fn ball(voxel_size: Vec3) -> Document {
         base: Rgb::STONE,
         solid: false,
         room_vx: 0,
+        grows: false,
     };
     let mut document = Document::new(&new, Limits::default()).unwrap();
     run(&mut document, "add ellipsoid at=24,24,24 half=14").unwrap();

@@ -104,6 +104,7 @@ fn a_solid_is_added_in_the_base_colour_unless_one_is_named() {
             base: Rgb::new(1, 2, 3),
             solid: true,
             room_vx: 0,
+            grows: false,
         },
         Limits::default(),
     )
@@ -169,6 +170,7 @@ fn the_usage_of_each_command_matches_its_parser() {
         "new dims=4,5,6 size=1,2,0.5 colour=8 base=#102030 fill=empty",
         "new dims=4,5,6",
         "new dims=4,5,6 room=7",
+        "new dims=4,5,6 grow=on",
         "open \"a b.pvm\"",
         "open v.raw threshold=12.5 colouring=grey colour=8 upright=-z raw=4x5x6:u8:skip=3",
         "embed \"d.png\" data=Zm9v",

@@ -21,6 +21,7 @@ fn block(colour_depth: ColourDepth, limits: Limits) -> Document {
         base: Rgb::STONE,
         solid: true,
         room_vx: 0,
+        grows: false,
     };
     Document::new(&new, limits).unwrap()
 }

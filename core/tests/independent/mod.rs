@@ -69,6 +69,7 @@ fn agree(seed: u64, used: &mut std::collections::BTreeMap<&'static str, u64>) ->
         base: Rgb::STONE,
         solid: true,
         room_vx: 0,
+        grows: false,
     };
     let mut document = Document::new(&placeholder, Limits::default()).unwrap();
     let mut random = Random::new(seed);

@@ -208,7 +208,8 @@ fn a_pointer_that_moves_over_the_window_leaves_the_tool_to_the_hand_at_work() {
     let mut map = IndexMap::new(eye.pixel_rays(&person.workspace.world_from_grid()));
     let rays = map.rays;
     raycast::sample(person.workspace.session().document().grid(), &rays, &mut map);
-    person.workspace.viewpoint.set_pick_map(Arc::new(map));
+    let Workspace { viewpoint, editor, .. } = &mut person.workspace;
+    viewpoint.set_pick_map(Arc::new(map), editor.document());
     let tool = person.workspace.editor.tool.centre_vx;
     person.workspace.answer_event(&ActionEvent::Hover(rays.size.as_vec2() * 0.5));
     assert_eq!(person.workspace.editor.tool.centre_vx, tool);

@@ -67,6 +67,11 @@ impl Lead for ConeStroke {
         scene.tool.brush_under(&options, cone, self.uses - 1)
     }
 
+    fn shift(&mut self, by_vx: Vec3) {
+        self.path.shift(by_vx);
+        self.cone.eye_vx += by_vx;
+    }
+
     fn uses(&self) -> u32 {
         self.uses
     }

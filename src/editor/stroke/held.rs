@@ -106,6 +106,10 @@ impl Lead for HeldStroke {
         (options.brush().spec().dab)(&Dab { options: &options, place }).map(Command::Brush)
     }
 
+    fn shift(&mut self, by_vx: Vec3) {
+        self.start += by_vx;
+    }
+
     fn uses(&self) -> u32 {
         self.uses
     }

@@ -80,6 +80,9 @@ pub trait Lead {
     /// Makes the same use due once more.
     fn repeat(&mut self, _scene: &mut StrokeScene) {}
 
+    /// Moves all points by a number of voxels, since the grid's box has moved.
+    fn shift(&mut self, by_vx: Vec3);
+
     /// Returns the number of uses so far.
     fn uses(&self) -> u32;
 

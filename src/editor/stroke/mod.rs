@@ -10,7 +10,7 @@ mod solid;
 mod surface;
 pub mod sweep;
 
-use glam::{Vec2, Vec3};
+use glam::{IVec3, Vec2, Vec3};
 
 use super::commands::CommandRunner;
 use super::idle::{IdleTool, may_add};
@@ -171,6 +171,21 @@ impl Stroking<'_> {
             if !self.commands.execute(&command) {
                 self.cancel();
             }
+            self.follow_shift();
+        }
+    }
+
+    /// Moves the tool and its stroke along with the coordinates of the grid, if its box has moved.
+    pub fn follow_shift(&mut self) {
+        let by_vx = self.commands.take_shift();
+        if by_vx == IVec3::ZERO {
+            return;
+        }
+        let by_vx = by_vx.as_vec3();
+        self.tool.centre_vx += by_vx;
+        self.anchor.shift(by_vx);
+        if let Some(stroke) = self.stroke {
+            stroke.lead.shift(by_vx);
         }
     }
 
@@ -259,6 +274,7 @@ impl Stroking<'_> {
     pub fn cancel(&mut self) {
         if self.stroke.take().is_some() {
             self.commands.cancel_stroke();
+            self.follow_shift();
         }
     }
 }

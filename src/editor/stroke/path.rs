@@ -69,6 +69,11 @@ impl Path {
         sample(to);
     }
 
+    /// Moves the path.
+    pub fn shift(&mut self, by: Vec3) {
+        self.at += by;
+    }
+
     /// Returns the end of the path, in voxels.
     pub fn end(&self) -> Vec3 {
         self.at

@@ -80,10 +80,12 @@ impl Lead for PictureStroke {
     }
 
     fn next(&mut self, scene: &mut StrokeScene, picker: Option<&Picker>) -> Option<Command> {
-        let Some((picker, map)) = picker.and_then(|picker| Some((picker, picker.map()?))) else {
+        let Some(picker) = picker else {
             self.due.clear();
             return None;
         };
+        // After the grid's box has moved, the uses wait for the next picture.
+        let map = picker.map().filter(|_| picker.origin() == scene.document.origin())?;
         while let Some((stop, touch)) = self.due.pop_front() {
             let pen = scene.tool.pens.of_brush(self.options.brush());
             let options = touched(&self.options, pen, touch);
@@ -101,6 +103,9 @@ impl Lead for PictureStroke {
         }
         None
     }
+
+    /// Its path lies in the picture.
+    fn shift(&mut self, _: Vec3) {}
 
     fn uses(&self) -> u32 {
         self.uses

@@ -124,6 +124,16 @@ impl Lead for SolidStroke {
         Some(scene.tool.in_use(scene.grip.now, bare).command(self.mode, &segment))
     }
 
+    fn shift(&mut self, by_vx: Vec3) {
+        self.sweep.shift(by_vx);
+        self.due.iter_mut().for_each(|segment| segment.shift(by_vx));
+        if let SolidGuide::Surface(guide) | SolidGuide::Tool { hovering: Some(guide) } =
+            &mut self.guide
+        {
+            guide.surface.shift(by_vx);
+        }
+    }
+
     fn uses(&self) -> u32 {
         self.uses
     }

@@ -162,6 +162,17 @@ impl Lead for SurfaceStroke {
         None
     }
 
+    fn shift(&mut self, by_vx: Vec3) {
+        self.path.shift(by_vx);
+        for point in [&mut self.start, &mut self.last] {
+            *point += by_vx;
+        }
+        self.due.iter_mut().for_each(|(stop, _)| *stop += by_vx);
+        if let Some(guide) = &mut self.guide {
+            guide.shift(by_vx);
+        }
+    }
+
     fn uses(&self) -> u32 {
         self.uses
     }

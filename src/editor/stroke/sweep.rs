@@ -37,6 +37,12 @@ impl SweepSegment {
         SweepSegment { from: tool.centre_vx, to: None, rotation: tool.rotation }
     }
 
+    /// Moves the segment.
+    pub fn shift(&mut self, by_vx: Vec3) {
+        self.from += by_vx;
+        self.to = self.to.map(|to| to + by_vx);
+    }
+
     /// Returns where it ends.
     pub fn end(&self) -> Vec3 {
         self.to.unwrap_or(self.from)
@@ -121,6 +127,12 @@ impl Sweep {
     pub fn jump(&mut self, tool: &Primitive, mut segment: impl FnMut(SweepSegment)) {
         *self = Sweep::new(tool, self.edges);
         segment(SweepSegment::place(tool));
+    }
+
+    /// Moves the path.
+    pub fn shift(&mut self, by_vx: Vec3) {
+        self.used += by_vx;
+        self.at += by_vx;
     }
 
     /// Returns the distance from the position of the tool, in lengths of the smallest voxel edge.

@@ -403,6 +403,7 @@ mod tests {
             base: Rgb::STONE,
             solid: true,
             room_vx: 0,
+            grows: false,
         };
         let mut document = Document::new(&new, Limits::default()).unwrap();
         let mut guide = Guide::default();

@@ -262,6 +262,7 @@ mod tests {
             base: Rgb::STONE,
             solid: true,
             room_vx: 0,
+            grows: false,
         });
         (dialogs.guide.open, dialogs.masks.open, dialogs.new.open) = (true, true, true);
         dialogs.unsaved = Some(Next::Leave);

@@ -4,6 +4,7 @@ use egui::{ComboBox, DragValue, Grid, Id, Key, Modal, Ui};
 use glam::{UVec3, Vec3};
 
 use crate::command::{Command, NewSculpture};
+use crate::remedy::told;
 use crate::sculpture::grid::MAX_AXIS_VX;
 use crate::sculpture::{ColourDepth, Grid as VoxelGrid, Rgb};
 use crate::ui::dialogs::shared::{Dialog, DialogContext};
@@ -20,6 +21,8 @@ pub struct NewDialog {
     pub solid: bool,
     /// Empty voxels at every side of the block.
     pub room_vx: u32,
+    /// The box grows with tools that reach beyond it.
+    pub grows: bool,
 }
 
 impl NewDialog {
@@ -31,6 +34,7 @@ impl NewDialog {
             base: sculpture.base,
             solid: true,
             room_vx: sculpture.room_vx,
+            grows: sculpture.grows,
         }
     }
 
@@ -42,6 +46,7 @@ impl NewDialog {
     fn wanted(&self) -> NewSculpture {
         NewSculpture {
             room_vx: self.room_vx,
+            grows: self.grows,
             dims: self.dims,
             voxel_size: Vec3::ONE,
             colour_depth: self.depth,
@@ -74,17 +79,19 @@ impl Dialog for NewDialog {
             let enter = free && ui.input(|input| input.key_pressed(Key::Enter));
             fields(ui, self);
             ui.add_space(4.0);
-            match VoxelGrid::check_size(self.canvas(), Vec3::ONE) {
-                Ok(()) => memory(ui, self),
-                Err(error) => {
-                    ui.colored_label(theme::error_colour(ui.visuals()), told(&error));
+            let refusal = VoxelGrid::check_size(self.canvas(), Vec3::ONE).err();
+            match &refusal {
+                None => memory(ui, self),
+                Some(error) => {
+                    ui.colored_label(theme::error_colour(ui.visuals()), told(error));
                 }
             }
             ui.weak("You can get the current sculpture back with Undo.");
             ui.add_space(8.0);
             ui.horizontal(|ui| {
                 let create = theme::primary(ui.visuals(), "Create");
-                if ui.add(create).clicked() || enter {
+                let is_possible = refusal.is_none();
+                if ui.add_enabled(is_possible, create).clicked() || enter && is_possible {
                     requests.push(UiRequest::Run(Command::New(self.wanted())));
                     self.open = false;
                 }
@@ -124,10 +131,14 @@ fn fields(ui: &mut Ui, dialog: &mut NewDialog) {
         ui.end_row();
         ui.label("Room");
         let room = DragValue::new(&mut dialog.room_vx).range(0..=MAX_AXIS_VX).speed(1.0);
-        ui.add(room.suffix(" voxels")).on_hover_text(
-            "Empty voxels at every side of the block, for what is added to it; the command \
-             `canvas grow` adds more later",
-        );
+        ui.horizontal(|ui| {
+            ui.add(room.suffix(" voxels")).on_hover_text(
+                "Empty voxels at every side of the block, for what is added to it",
+            );
+            ui.checkbox(&mut dialog.grows, "Grow as needed").on_hover_text(
+                "Tools that add beyond the box make it larger, in the same step of undo",
+            );
+        });
         ui.end_row();
         ui.label("Colours");
         ComboBox::from_id_salt("depth")

@@ -100,7 +100,7 @@ fn radial(
 }
 
 fn middle(context: &UiContext) -> Vec3 {
-    (context.document.grid().dims() / 2).as_vec3()
+    (context.document.contents().frame.home / 2).as_vec3()
 }
 
 /// Shows a button that makes the next press place something.

@@ -141,10 +141,17 @@ pub(crate) fn parse_area(args: &mut Arguments) -> Result<Area, ParseError> {
 }
 
 pub(super) fn parse_switch(args: &mut Arguments) -> Result<bool, ParseError> {
-    match args.word("on or off")?.as_str() {
-        "on" => Ok(true),
-        "off" => Ok(false),
-        other => Err(ParseError(format!("`{other}` is not valid; use on or off"))),
+    let word = args.word("on or off")?;
+    let unknown = || ParseError(format!("`{word}` is not valid; use on or off"));
+    is_on(&word).ok_or_else(unknown)
+}
+
+/// Returns the value of a switch.
+pub(super) fn is_on(word: &str) -> Option<bool> {
+    match word {
+        "on" => Some(true),
+        "off" => Some(false),
+        _ => None,
     }
 }
 

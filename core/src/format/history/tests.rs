@@ -18,6 +18,7 @@ fn document(dims: UVec3, depth: ColourDepth) -> Document {
         base: Rgb::STONE,
         solid: true,
         room_vx: 0,
+        grows: false,
     };
     Document::new(&new, Limits::default()).unwrap()
 }

@@ -94,6 +94,7 @@ fn document(history_bytes: usize) -> Document {
         base: Rgb::STONE,
         solid: true,
         room_vx: 0,
+        grows: false,
     };
     Document::new(&new, Limits { history_bytes, ..Limits::default() }).unwrap()
 }

@@ -69,6 +69,7 @@ mod tests {
             base: Rgb::STONE,
             solid: true,
             room_vx: 0,
+            grows: false,
         };
         let mut document = Document::new(&new, Limits::default()).unwrap();
         run(&mut document, &format!("subtract cuboid at=32,{},32 half=40,20,40", GROUND_VX + 20));
