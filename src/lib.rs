@@ -39,6 +39,6 @@ pub mod video;
 pub mod viewpoint;
 
 pub use sculpture_core::{
-    command, document, format, mesh, persist, print_check, progress, refusal, scenes, sculpture,
-    session, shade, surface, tools, trace, view, voxelise,
+    command, document, format, mesh, persist, print_check, progress, refusal, resample, scenes,
+    sculpture, session, shade, surface, tools, trace, view, voxelise,
 };

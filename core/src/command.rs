@@ -13,6 +13,7 @@ use std::sync::Arc;
 use glam::{IVec3, UVec3, Vec3};
 
 use crate::format::options::{ExportOptions, ImportOptions};
+use crate::resample::Resolution;
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::history::SurfaceKind;
 use crate::sculpture::orientation::Orientation;
@@ -194,6 +195,8 @@ pub enum Command {
     },
     /// Rotate or mirror the whole sculpture; its size, colours and selection follow.
     Orient(Orientation),
+    /// Give the sculpture another resolution; its size in the world stays.
+    Resample(Resolution),
     /// Make the sculpture fit for printing.
     Repair(Repair),
     /// Move the sides of the sculpture's box, or let it grow with the tools.
@@ -314,6 +317,7 @@ impl Command {
             Command::Orient(_) => "orient",
             Command::Repair(repair) => repair.verb(),
             Command::Canvas(_) => "canvas",
+            Command::Resample(_) => "resample",
             Command::Surface(_) => "surface",
             Command::Undo { .. } => "undo",
             Command::Redo { .. } => "redo",

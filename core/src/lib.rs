@@ -21,6 +21,8 @@ pub mod progress;
 #[doc(hidden)]
 pub mod refusal;
 #[doc(hidden)]
+pub mod resample;
+#[doc(hidden)]
 pub mod scenes;
 #[doc(hidden)]
 pub mod sculpture;

@@ -284,6 +284,11 @@ impl Session {
                 let contents = self.document.share_contents();
                 Task::Repair { repair, contents, limits, state: self.document.state() }
             }
+            Command::Resample(to) => {
+                self.document.require_can_resample()?;
+                let contents = self.document.share_contents();
+                Task::Resample { to, contents, limits, state: self.document.state() }
+            }
             Command::New(new) => Task::New { new, limits },
             Command::Open { path, import } => {
                 let embedded = self.embedded.get(&path).cloned();
@@ -336,10 +341,14 @@ impl Session {
             WorkOutcome::Repaired { repair, plan, state } if state == self.document.state() => {
                 applied = self.document.put_repaired(&plan, &repair, &command)?;
             }
-            // The document was changed meanwhile.
-            WorkOutcome::Oriented { .. } | WorkOutcome::Repaired { .. } => {
-                applied = self.document.apply(&command)?
+            WorkOutcome::Resampled { contents, state } if state == self.document.state() => {
+                self.forget_mesh();
+                applied = self.document.put_resampled(*contents, &command)?;
             }
+            // The document was changed meanwhile.
+            WorkOutcome::Oriented { .. }
+            | WorkOutcome::Repaired { .. }
+            | WorkOutcome::Resampled { .. } => applied = self.document.apply(&command)?,
             WorkOutcome::Opened { path, loaded, identity, history } => {
                 self.forget_mesh();
                 self.on_disk.learn(&path, identity);

@@ -130,6 +130,7 @@ impl Workspace {
             Action::PrintCheck => self.toggle_print_check(),
             Action::Tints => self.ui.dialogs.tints.open ^= true,
             Action::Masks => self.ui.dialogs.masks.open ^= true,
+            Action::Canvas => self.ui.dialogs.canvas.open ^= true,
             Action::Detach(panel) => self.ui.layout.toggle_detached(panel),
             Action::ScaleUp => self.ui.appearance.scale.change_by(1.0),
             Action::ScaleDown => self.ui.appearance.scale.change_by(-1.0),

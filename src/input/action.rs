@@ -397,6 +397,8 @@ actions! {
     Film { "film" Tap Program "Make a film: a turntable, or a time lapse of the recording" "movie video animation turntable spin rotate time lapse gif apng export"; }
     /// Toggles the window of the print check.
     PrintCheck { "print-check" Tap Program "Check whether the sculpture can be printed, and mend it" "printing printer slicer support overhang thin wall island cavity hollow repair analyse"; }
+    /// Toggles the window of the canvas.
+    Canvas { "canvas" Tap Program "Set the size of the canvas, let it grow, crop it, or change the resolution" "canvas size dimensions enlarge extend room crop resize resample resolution remesh"; }
     /// Toggles the window of colours.
     Tints { "colours" Tap Program "Adjust the colours of an area, or give it a gradient or noise" "colour hue saturation value brightness contrast gradient ramp noise speckle tint hsv"; }
     /// Exports a file for other programs.

@@ -96,8 +96,11 @@ fn menu(
         }
         save_automatically(ui, &mut state.autosave.minutes);
         ui.separator();
-        for (label, action) in [("Fill the grid", Action::Fill), ("Clear the grid", Action::Clear)]
-        {
+        for (label, action) in [
+            ("Canvas …", Action::Canvas),
+            ("Fill the grid", Action::Fill),
+            ("Clear the grid", Action::Clear),
+        ] {
             menu_entry(ui, context, label, action, requests);
         }
         ui.menu_button("Colours and masks", |ui| {

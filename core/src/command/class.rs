@@ -54,7 +54,7 @@ impl Command {
             | Command::Flood { .. } => CommandClass::Area,
             Command::Mask(_) => CommandClass::Mask,
             Command::Cut | Command::Move { .. } | Command::Array { .. } => CommandClass::Arrange,
-            Command::Repair(_) | Command::Surface(_) => CommandClass::Whole,
+            Command::Repair(_) | Command::Resample(_) | Command::Surface(_) => CommandClass::Whole,
             Command::Orient(_) => CommandClass::Orient,
             Command::Canvas(_) => CommandClass::Canvas,
             Command::Undo { .. } | Command::Redo { .. } => CommandClass::Travel,

@@ -212,6 +212,11 @@ const TABLE: &[HelpRow] = &[
         tooltip: "Set the size of the sculpture's box, let it grow at some sides or all, crop it to the voxels in it, or let it grow with the tools",
     },
     HelpRow {
+        verb: "resample",
+        usage: "half|double|FACTOR | dims=X,Y,Z",
+        tooltip: "Give the sculpture more or fewer voxels of another size, in the same shape and size in the world",
+    },
+    HelpRow {
         verb: "remove-islands",
         usage: "[keep=standing|largest] [smaller=VOXELS]",
         tooltip: "Remove the pieces that hang together with nothing, but for the largest, and for those on the bed unless only the largest is kept",

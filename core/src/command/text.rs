@@ -28,6 +28,7 @@ mod export;
 mod import;
 mod mask;
 mod repair;
+mod resample;
 mod selection;
 mod tint;
 
@@ -131,6 +132,7 @@ impl fmt::Display for Command {
             | Command::Orient(_)
             | Command::Surface(_) => selection::write(self, f),
             Command::Canvas(change) => canvas::write(change, f),
+            Command::Resample(to) => resample::write(to, f),
             Command::Repair(repair) => repair::write(repair, f),
             Command::Undo { steps } | Command::Redo { steps } => match steps {
                 Some(n) => write!(f, " {n}"),
@@ -229,6 +231,7 @@ impl FromStr for Command {
             | "paste" | "move" | "array" | "orient" | "surface" => {
                 selection::parse(&verb, &mut args)?
             }
+            "resample" => Command::Resample(resample::parse(&mut args)?),
             "canvas" => Command::Canvas(canvas::parse(&mut args)?),
             "remove-islands" | "fill-cavities" | "thicken" | "drain" => {
                 repair::parse(&verb, &mut args)?

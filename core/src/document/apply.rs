@@ -11,7 +11,7 @@ use super::edit_target::EditTarget;
 use super::timeline::Direction;
 use super::{
     Applied, CommandError, Document, areas, brush, clipboard, make_contents, mask, orient,
-    plan_repair, repair, solids, strokes,
+    plan_repair, repair, resample_contents, solids, strokes,
 };
 use crate::command::{Command, SelectOp};
 use crate::sculpture::edit::{EditOp, EditStats};
@@ -115,6 +115,11 @@ impl Document {
                 self.put_repaired(&plan, repair, command)
             }
             Command::Canvas(change) => self.change_canvas(change, command),
+            Command::Resample(to) => {
+                self.require_can_resample()?;
+                let contents = resample_contents(&self.target.contents, *to, self.limits(), &())?;
+                self.put_resampled(contents, command)
+            }
             Command::Surface(kind) => self.show_surface(*kind, command),
             Command::Undo { steps } => self.travel(Direction::Undo, *steps, None),
             Command::Redo { steps } => self.travel(Direction::Redo, *steps, None),

@@ -7,6 +7,7 @@ use thiserror::Error;
 
 use super::strokes::MAX_REPEATED;
 use crate::refusal::{InvalidValue, OverBudget};
+use crate::resample::ResampleError;
 use crate::sculpture::GridError;
 use crate::sculpture::orient::OrientError;
 use crate::sculpture::reframe::CanvasError;
@@ -110,6 +111,17 @@ impl From<CanvasError> for CommandError {
             CanvasError::Grid(error) => CommandError::Grid(error),
             CanvasError::OverBudget(over) => CommandError::OverBudget(over),
             CanvasError::Invalid(error) => CommandError::Invalid(error),
+        }
+    }
+}
+
+impl From<ResampleError> for CommandError {
+    fn from(error: ResampleError) -> CommandError {
+        match error {
+            ResampleError::Grid(error) => CommandError::Grid(error),
+            ResampleError::OverBudget(over) => CommandError::OverBudget(over),
+            ResampleError::Invalid(error) => CommandError::Invalid(error),
+            ResampleError::Cancelled => CommandError::Cancelled,
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The long part of commands: reading, writing, creating, rotating and repairing a sculpture. It needs no session, so
+//! The long part of commands: reading, writing, creating, rotating, resampling and repairing a sculpture. It needs no session, so
 //! it can run on another thread while a window shows the present sculpture.
 //!
 //! [`Session::prepare`](super::Session::prepare) returns a [`Work`], [`Work::run`] runs it, and
@@ -20,6 +20,7 @@ use crate::format::{self, Loaded, Texts};
 use crate::mesh::{ContentsVersion, MeshCache};
 use crate::persist::saved_history::{FoundHistory, HistoryToKeep, KeptSteps, SavedHistories};
 use crate::progress::Progress;
+use crate::resample::Resolution;
 use crate::sculpture::history::{Contents, State};
 use crate::sculpture::orientation::Orientation;
 use crate::tools::repair::{Repair, RepairPlan};
@@ -39,6 +40,12 @@ pub(super) enum Task {
     },
     Orient {
         orientation: Orientation,
+        contents: Arc<Contents>,
+        limits: Limits,
+        state: State,
+    },
+    Resample {
+        to: Resolution,
         contents: Arc<Contents>,
         limits: Limits,
         state: State,
@@ -94,6 +101,11 @@ pub(super) enum WorkOutcome {
         contents: Box<Contents>,
         state: State,
     },
+    /// `state`: of the document that they were computed from.
+    Resampled {
+        contents: Box<Contents>,
+        state: State,
+    },
     /// `state`: of the document that it was computed for.
     Repaired {
         repair: Repair,
@@ -128,6 +140,10 @@ impl Work {
                 let contents =
                     document::orient_contents(&contents, orientation, &limits, progress)?;
                 WorkOutcome::Oriented { orientation, contents: Box::new(contents), state }
+            }
+            Task::Resample { to, contents, limits, state } => {
+                let contents = document::resample_contents(&contents, to, &limits, progress)?;
+                WorkOutcome::Resampled { contents: Box::new(contents), state }
             }
             Task::Repair { repair, contents, limits, state } => {
                 let plan = document::plan_repair(&contents, &repair, &limits, progress)?;

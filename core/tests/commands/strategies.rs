@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use glam::{EulerRot, IVec3, Quat, UVec3, Vec3};
 use proptest::prelude::*;
 use sculpture_core::command::{Area, CanvasChange, Command, NewSculpture, SelectOp};
+use sculpture_core::resample::Resolution;
 use sculpture_core::sculpture::canvas_frame::CanvasSides;
 use sculpture_core::sculpture::edit::EditOp;
 use sculpture_core::sculpture::history::SurfaceKind;
@@ -362,6 +363,8 @@ pub fn any_command() -> impl Strategy<Value = Command> {
             .prop_map(|(by, orientation)| Command::Move { by, orientation }),
         (any::<u32>(), any_ivec3()).prop_map(|(count, step)| Command::Array { count, step }),
         orientation().prop_map(Command::Orient),
+        any_number().prop_map(|factor| Command::Resample(Resolution::Factor(factor))),
+        any::<[u32; 3]>().prop_map(|dims| Command::Resample(Resolution::Dims(dims.into()))),
         size.prop_map(Command::Canvas),
         canvas,
         repair(any_number).prop_map(Command::Repair),

@@ -6,6 +6,7 @@
 
 pub mod busy;
 pub mod calibration;
+pub mod canvas;
 pub mod changed_on_disk;
 mod elsewhere;
 pub mod export;
@@ -36,6 +37,7 @@ pub mod unsaved;
 use egui::Ui;
 
 use self::calibration::Calibration;
+use self::canvas::CanvasWindow;
 use self::export::ExportDialog;
 use self::files::Files;
 use self::film::FilmDialog;
@@ -78,6 +80,8 @@ pub struct Dialogs {
     /// The window of colours.
     pub tints: Tints,
     pub masks: Masks,
+    /// The window of the canvas and the resolution.
+    pub canvas: CanvasWindow,
     pub files: Files,
     /// Asks about unsaved work before this step.
     pub unsaved: Option<Next>,
@@ -112,6 +116,7 @@ impl Dialogs {
             print_check: PrintCheck::default(),
             tints: Tints::default(),
             masks: Masks::default(),
+            canvas: CanvasWindow::default(),
             files: Files::new(),
             unsaved: None,
             unkept: None,
@@ -217,7 +222,7 @@ macro_rules! row {
 }
 
 /// All dialogs in the order of drawing: later ones lie over earlier ones.
-static LIST: [DialogRow; 21] = [
+static LIST: [DialogRow; 22] = [
     // In the window it is a strip below the picture.
     row!(guide, Board, Some(17)),
     row!(light, Everywhere, Some(16)),
@@ -225,6 +230,7 @@ static LIST: [DialogRow; 21] = [
     row!(print_check, Desk, Some(13)),
     row!(tints, Desk, Some(14)),
     row!(masks, Desk, Some(15)),
+    row!(canvas, Desk, Some(18)),
     row!(keys, Desk, Some(11)),
     row!(keys.catch, Desk, None),
     row!(palette, Everywhere, None),

@@ -1,0 +1,314 @@
+//! Changes the resolution of a sculpture: the same shape of more or fewer voxels, through the field of distances that
+//! draws the smooth surface.
+//!
+//! A new voxel exists if the mean of the field over points in it lies inside. Colours and mask are those of the nearest
+//! voxel. The size in the world stays. Takes contents; returns new ones. Memory is checked before it is allocated. Knows
+//! no document.
+
+use glam::{IVec3, UVec3, Vec3};
+use rayon::prelude::*;
+use thiserror::Error;
+
+use crate::progress::Progress;
+use crate::refusal::{InvalidValue, MemoryBudget, OverBudget};
+use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, Brick, local_coords};
+use crate::sculpture::canvas_frame::CanvasFrame;
+use crate::sculpture::history::Contents;
+use crate::sculpture::material::{MAX_PAGE_BYTES, Page};
+use crate::sculpture::{Grid, GridError, Limits, Material};
+use crate::shade::level_set::CellCache;
+use crate::shade::{LevelSet, NormalField};
+
+/// Portions of work between two looks at the progress.
+const PORTIONS: usize = 16;
+/// Most points along each axis at which the field is read for a voxel.
+const MOST_POINTS: u32 = 4;
+/// The range of the factor.
+pub const FACTORS: std::ops::RangeInclusive<f32> = 0.01..=64.0;
+
+/// A resolution.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Resolution {
+    /// So many times as many voxels along each axis.
+    Factor(f32),
+    /// A size in voxels.
+    Dims(UVec3),
+}
+
+/// Why a sculpture cannot be resampled.
+#[derive(Debug, Error)]
+pub enum ResampleError {
+    /// The new grid, or the field, is not possible.
+    #[error(transparent)]
+    Grid(#[from] GridError),
+    /// The colours would not fit into [`Limits::colour_bytes`].
+    #[error(transparent)]
+    OverBudget(#[from] OverBudget),
+    /// The factor is out of range.
+    #[error(transparent)]
+    Invalid(#[from] InvalidValue),
+    /// The work was cancelled.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+impl Resolution {
+    /// Returns the new size of a grid of `dims` voxels.
+    pub fn dims(&self, dims: UVec3) -> Result<UVec3, InvalidValue> {
+        match *self {
+            Resolution::Dims(dims) => Ok(dims),
+            Resolution::Factor(factor) => {
+                let rule = "must be from 0.01 to 64";
+                InvalidValue::check(FACTORS.contains(&factor), "factor", rule, factor)?;
+                Ok((dims.as_vec3() * factor).round().max(Vec3::ONE).as_uvec3())
+            }
+        }
+    }
+}
+
+/// Returns the contents in another resolution.
+///
+/// # Errors
+/// If the result or the field needs more memory than `limits` allow, or `progress` is cancelled.
+pub fn resampled(
+    contents: &Contents,
+    to: Resolution,
+    limits: &Limits,
+    progress: &dyn Progress,
+) -> Result<Contents, ResampleError> {
+    let grid = &contents.grid;
+    let dims = to.dims(grid.dims())?;
+    let scale = Scale::new(grid.dims(), dims);
+    let voxel_size = grid.voxel_size() * scale.old_per_new;
+    Grid::check(dims, voxel_size, limits.grid_bytes)?;
+    let mut bits = Grid::new(dims, voxel_size, limits.grid_bytes)?;
+    if contents.mask.is_some() {
+        let left = limits.grid_bytes.saturating_sub(Grid::bytes_for(dims));
+        Grid::check(dims, voxel_size, left)?;
+    }
+    let field = field_of(grid, limits, progress)?;
+    progress.begin("resampling the voxels");
+    let done = |b: UVec3| {
+        if b.x == 0 && b.y == 0 {
+            progress.advance(b.z as f32 / (dims.z / BRICK_EDGE_VX + 1) as f32);
+        }
+        progress.is_cancelled()
+    };
+    bits.fill_bricks(|b| if done(b) { Brick::EMPTY } else { brick_of(grid, &field, &scale, b) });
+    progress.end();
+    let colours = colours_of(contents, &bits, &scale, (limits, progress))?;
+    let mask = contents.mask.as_ref().map(|mask| {
+        let mut masked = bits.emptied();
+        masked.fill_bricks(|b| gather(b, |v| mask.get(scale.nearest(v).as_ivec3())));
+        Box::new(masked)
+    });
+    if progress.is_cancelled() {
+        return Err(ResampleError::Cancelled);
+    }
+    let frame = scale.frame(&contents.frame);
+    let surface = contents.surface;
+    let mut result = Contents { mask, surface, frame, ..Contents::new(bits, colours) };
+    result.mask.take_if(|mask| mask.opaque_count() == 0);
+    Ok(result)
+}
+
+/// The ratio of two resolutions.
+struct Scale {
+    old: UVec3,
+    old_per_new: Vec3,
+    /// Points in a new voxel along each axis at which the field is read.
+    points: UVec3,
+}
+
+impl Scale {
+    fn new(old: UVec3, new: UVec3) -> Scale {
+        let old_per_new = old.as_vec3() / new.max(UVec3::ONE).as_vec3();
+        let points = old_per_new.ceil().as_uvec3().clamp(UVec3::ONE, UVec3::splat(MOST_POINTS));
+        Scale { old, old_per_new, points }
+    }
+
+    /// Returns the old voxel in which the centre of a new one lies.
+    fn nearest(&self, v: UVec3) -> UVec3 {
+        ((v.as_vec3() + 0.5) * self.old_per_new).as_uvec3().min(self.old - 1)
+    }
+
+    /// Returns the box of old voxels that a new brick reaches, with their neighbours.
+    fn around(&self, b: UVec3) -> [UVec3; 2] {
+        let low = (b * BRICK_EDGE_VX).as_vec3() * self.old_per_new - 2.0;
+        let high = ((b + 1) * BRICK_EDGE_VX).as_vec3() * self.old_per_new + 2.0;
+        let last = self.old - 1;
+        [low.max(Vec3::ZERO).as_uvec3().min(last), high.as_uvec3().min(last)]
+    }
+
+    /// Returns the frame in the new resolution, rounded to whole voxels.
+    fn frame(&self, frame: &CanvasFrame) -> CanvasFrame {
+        let home = (frame.home.as_vec3() / self.old_per_new).round().max(Vec3::ONE).as_uvec3();
+        let origin = (frame.origin.as_vec3() / self.old_per_new).round().as_ivec3();
+        CanvasFrame { origin, home, grows: frame.grows }
+    }
+}
+
+/// The field of distances of a grid.
+struct Field {
+    levels: LevelSet,
+}
+
+fn field_of(grid: &Grid, limits: &Limits, progress: &dyn Progress) -> Result<Field, ResampleError> {
+    let mut levels = LevelSet::for_mesh(grid, limits.grid_bytes)?;
+    let mut normals = NormalField::default();
+    progress.begin("smoothing");
+    normals.follow(grid, None);
+    let all = normals.outstanding().max(1);
+    let go_on = |portions: &mut usize| {
+        *portions += 1;
+        *portions <= PORTIONS && !progress.is_cancelled()
+    };
+    let mut changed = Vec::new();
+    while normals.outstanding() > 0 && !progress.is_cancelled() {
+        let mut portions = 0;
+        normals.update(grid, &mut changed, || go_on(&mut portions));
+        progress.advance(1.0 - normals.outstanding() as f32 / all as f32);
+    }
+    levels.follow(grid, &changed);
+    while levels.outstanding() > 0 && !progress.is_cancelled() {
+        let mut portions = 0;
+        levels.update_while(grid, &normals, &mut Vec::new(), || go_on(&mut portions));
+    }
+    progress.end();
+    if progress.is_cancelled() { Err(ResampleError::Cancelled) } else { Ok(Field { levels }) }
+}
+
+/// Returns a new brick.
+fn brick_of(grid: &Grid, field: &Field, scale: &Scale, b: UVec3) -> Brick {
+    let [low, high] = scale.around(b);
+    match uniform(grid, low, high) {
+        Some(true) => return Brick::FULL,
+        Some(false) => return Brick::EMPTY,
+        None => {}
+    }
+    let mut cache = CellCache::default();
+    let (points, step) = (scale.points, scale.old_per_new / scale.points.as_vec3());
+    gather(b, |v| {
+        let corner = v.as_vec3() * scale.old_per_new;
+        let mut sum = 0.0;
+        for z in 0..points.z {
+            for y in 0..points.y {
+                for x in 0..points.x {
+                    let at = corner + (UVec3::new(x, y, z).as_vec3() + 0.5) * step;
+                    sum += field.levels.distance_vx(grid, at, &mut cache).clamp(-1.0, 1.0);
+                }
+            }
+        }
+        sum < 0.0
+    })
+}
+
+/// Returns whether all voxels of a box exist, or none of them; `None` if only some do, or if it is at the border.
+fn uniform(grid: &Grid, low: UVec3, high: UVec3) -> Option<bool> {
+    let first = grid.get(low.as_ivec3());
+    let is_inside = low.cmpgt(UVec3::ZERO).all() && high.cmplt(grid.dims() - 1).all();
+    if first && !is_inside {
+        return None;
+    }
+    let (from, to) = (low / BRICK_EDGE_VX, high / BRICK_EDGE_VX);
+    for z in from.z..=to.z {
+        for y in from.y..=to.y {
+            for x in from.x..=to.x {
+                let brick = grid.brick(UVec3::new(x, y, z));
+                let is_same = if first { brick.is_full() } else { brick.is_empty() };
+                if !is_same {
+                    return None;
+                }
+            }
+        }
+    }
+    Some(first)
+}
+
+/// Returns a brick of the voxels for which `exists` is true.
+fn gather(b: UVec3, mut exists: impl FnMut(UVec3) -> bool) -> Brick {
+    let mut brick = Brick::EMPTY;
+    for local in 0..BRICK_VOXELS {
+        let at = UVec3::from(local_coords(local));
+        if exists(b * BRICK_EDGE_VX + at) {
+            brick.set(at.x, at.y, at.z, true);
+        }
+    }
+    brick
+}
+
+/// Returns the colours of the new voxels: each that of the nearest old one that exists, or else of the nearest.
+fn colours_of(
+    contents: &Contents,
+    bits: &Grid,
+    scale: &Scale,
+    (limits, progress): (&Limits, &dyn Progress),
+) -> Result<Material, ResampleError> {
+    let old = &contents.material;
+    let mut colours = Material::for_grid(bits, old.depth(), old.base());
+    if old.page_count() == 0 {
+        return Ok(colours);
+    }
+    progress.begin("resampling the colours");
+    let layers = bits.brick_dims().z as usize;
+    let per_layer = bits.brick_count() / layers;
+    for layer in 0..layers {
+        if progress.is_cancelled() {
+            break;
+        }
+        progress.advance(layer as f32 / layers as f32);
+        let bricks = (layer * per_layer..(layer + 1) * per_layer).into_par_iter();
+        let page = |at: usize| {
+            let b = bits.brick_coords(at);
+            page_of(contents, scale, b).map(|page| (b, page))
+        };
+        let pages: Vec<(UVec3, Page)> = bricks.filter_map(page).collect();
+        let more = pages.iter().map(|(_, page)| page.heap_bytes() as u64).sum();
+        let needed = colours.heap_bytes() + colours.bytes_for_pages(pages.len() as u64, more);
+        if needed > limits.colour_bytes {
+            let (budget, purpose) = (limits.colour_bytes, MemoryBudget::Colours);
+            return Err(OverBudget::new("this may need", needed, purpose, budget).into());
+        }
+        colours.set_pages(pages);
+    }
+    progress.end();
+    Ok(colours)
+}
+
+/// Returns the page of a new brick; `None` if all of it has the base colour.
+fn page_of(contents: &Contents, scale: &Scale, b: UVec3) -> Option<Page> {
+    let material = &contents.material;
+    let [low, high] = scale.around(b).map(|v| v / BRICK_EDGE_VX);
+    let mut bricks = (low.z..=high.z).flat_map(|z| {
+        (low.y..=high.y).flat_map(move |y| (low.x..=high.x).map(move |x| UVec3::new(x, y, z)))
+    });
+    if !bricks.any(|b| material.page(b).is_some()) {
+        return None;
+    }
+    let (depth, size) = (material.depth(), material.depth().bytes());
+    let mut bytes = [0; MAX_PAGE_BYTES];
+    let bytes = &mut bytes[..material.page_bytes()];
+    let mut is_painted = false;
+    for local in 0..BRICK_VOXELS {
+        let v = b * BRICK_EDGE_VX + UVec3::from(local_coords(local));
+        let colour = contents.rgb(nearest_existing(&contents.grid, scale.nearest(v)));
+        is_painted |= colour != material.base();
+        depth.write(colour, &mut bytes[local as usize * size..]);
+    }
+    is_painted.then(|| Page::of_bytes(bytes, depth))
+}
+
+/// Returns the existing voxel nearest to one, among it and its neighbours; if there is none, the voxel itself.
+fn nearest_existing(grid: &Grid, v: UVec3) -> UVec3 {
+    let v = v.as_ivec3();
+    if grid.get(v) {
+        return v.as_uvec3();
+    }
+    let steps = (-1..=1)
+        .flat_map(|z| (-1..=1).flat_map(move |y| (-1..=1).map(move |x| IVec3::new(x, y, z))));
+    let existing = steps.filter(|step| grid.get(v + *step));
+    existing.min_by_key(|step| step.length_squared()).map_or(v, |step| v + step).as_uvec3()
+}
+
+#[cfg(test)]
+mod tests;
