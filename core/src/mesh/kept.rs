@@ -14,13 +14,13 @@ use super::budget::StagePieces;
 use super::place::{AtCorners, OnSurface, VertexPlacement};
 use super::rows::LatticeCells;
 use super::slab::{CornerKey, Slab, SlabScratch};
-use super::smoothing::SmoothField;
 use super::{Budget, Mesh, MeshError, MeshKind, MeshPart, VertexColours};
 use crate::progress::Progress;
 use crate::sculpture::brick::{BRICK_EDGE_VX, BrickKind};
 use crate::sculpture::history::Contents;
 use crate::sculpture::index_set::IndexSet;
 use crate::sculpture::{Grid, Limits, Rgb};
+use crate::shade::SmoothField;
 
 /// Cells of a block along each axis: a word along x, and few across, since any change rebuilds a whole block.
 const BLOCK: UVec3 = UVec3::new(LatticeCells::MOST_ALONG_X, 16, 16);
@@ -111,7 +111,9 @@ impl KeptMesh {
                 _ => SmoothField::new(grid, limits)?,
             };
             let smoothing = self.smoothing.insert(smoothing);
-            smoothing.update(grid, changed.as_mut(), progress)?;
+            if !smoothing.update(grid, changed.as_mut(), progress) {
+                return Err(MeshError::Cancelled);
+            }
         }
         let count = block_dims(grid.dims()).element_product();
         let stale = match &changed {

@@ -18,7 +18,6 @@ mod place;
 mod rows;
 mod simplify;
 mod slab;
-mod smoothing;
 #[cfg(test)]
 pub(crate) mod tests;
 
@@ -29,12 +28,11 @@ use self::budget::StagePieces;
 use self::place::{AtCorners, OnSurface, VertexPlacement};
 use self::rows::VoxelRows;
 use self::slab::Slab;
-use self::smoothing::SmoothField;
 use crate::progress::Progress;
 use crate::refusal::OverBudget;
 use crate::sculpture::history::Contents;
 use crate::sculpture::{GridError, Limits, Rgb};
-use crate::shade::LevelSet;
+use crate::shade::{LevelSet, SmoothField};
 
 pub(crate) use self::budget::Budget;
 pub use self::cache::MeshCache;
@@ -159,7 +157,9 @@ impl Mesh {
                 Budget::new(limits)
                     .check_for(bytes_of_faces(contents, colours.are_in(contents)))?;
                 let mut smoothing = SmoothField::new(&contents.grid, limits)?;
-                smoothing.update(&contents.grid, None, progress)?;
+                if !smoothing.update(&contents.grid, None, progress) {
+                    return Err(MeshError::Cancelled);
+                }
                 Mesh::smooth(contents, smoothing.levels(), colours, limits, progress)
             }
         }

@@ -2,8 +2,9 @@
 //! draws the smooth surface.
 //!
 //! A new voxel exists if the mean of the field over points in it lies inside. Colours and mask are those of the nearest
-//! voxel. The size in the world stays. Takes contents; returns new ones. Memory is checked before it is allocated. Knows
-//! no document.
+//! voxel. The size in the world stays. Takes contents; returns new ones. Knows no document.
+
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::{IVec3, UVec3, Vec3};
 use rayon::prelude::*;
@@ -14,15 +15,17 @@ use crate::refusal::{InvalidValue, MemoryBudget, OverBudget};
 use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, Brick, local_coords};
 use crate::sculpture::canvas_frame::CanvasFrame;
 use crate::sculpture::history::Contents;
+use crate::sculpture::grid::uniform_in;
 use crate::sculpture::material::{MAX_PAGE_BYTES, Page};
+use crate::sculpture::region::{BrickBox, VoxelBox};
 use crate::sculpture::{Grid, GridError, Limits, Material};
 use crate::shade::level_set::CellCache;
-use crate::shade::{LevelSet, NormalField};
+use crate::shade::{LevelSet, SmoothField};
 
-/// Portions of work between two looks at the progress.
-const PORTIONS: usize = 16;
 /// Most points along each axis at which the field is read for a voxel.
 const MOST_POINTS: u32 = 4;
+/// Times that the progress of a grid is reported.
+const REPORTS: u64 = 200;
 /// The range of the factor.
 pub const FACTORS: std::ops::RangeInclusive<f32> = 0.01..=64.0;
 
@@ -80,31 +83,25 @@ pub fn resampled(
     let dims = to.dims(grid.dims())?;
     let scale = Scale::new(grid.dims(), dims);
     let voxel_size = grid.voxel_size() * scale.old_per_new;
-    Grid::check(dims, voxel_size, limits.grid_bytes)?;
-    let mut bits = Grid::new(dims, voxel_size, limits.grid_bytes)?;
-    if contents.mask.is_some() {
-        let left = limits.grid_bytes.saturating_sub(Grid::bytes_for(dims));
-        Grid::check(dims, voxel_size, left)?;
+    let mut bits = Grid::of_size(dims, voxel_size)?;
+    let mut field = SmoothField::new(grid, limits)?;
+    if !field.update(grid, None, progress) {
+        return Err(ResampleError::Cancelled);
     }
-    let field = field_of(grid, limits, progress)?;
     progress.begin("resampling the voxels");
-    let done = |b: UVec3| {
-        if b.x == 0 && b.y == 0 {
-            progress.advance(b.z as f32 / (dims.z / BRICK_EDGE_VX + 1) as f32);
-        }
-        progress.is_cancelled()
-    };
-    bits.fill_bricks(|b| if done(b) { Brick::EMPTY } else { brick_of(grid, &field, &scale, b) });
+    let mut filling = Filling::new(&bits, limits.grid_bytes, progress);
+    filling.fill(&mut bits, |b| uniform(grid, scale.around(b)), |b| brick_of(field.levels(), grid, &scale, b))?;
     progress.end();
     let colours = colours_of(contents, &bits, &scale, (limits, progress))?;
     let mask = contents.mask.as_ref().map(|mask| {
+        progress.begin("resampling the mask");
         let mut masked = bits.emptied();
-        masked.fill_bricks(|b| gather(b, |v| mask.get(scale.nearest(v).as_ivec3())));
-        Box::new(masked)
+        let of_brick = |b| gather(b, |v| mask.get(scale.nearest(v).as_ivec3()));
+        filling.fill(&mut masked, |b| uniform(mask, scale.around(b)), of_brick)?;
+        progress.end();
+        Ok::<_, ResampleError>(Box::new(masked))
     });
-    if progress.is_cancelled() {
-        return Err(ResampleError::Cancelled);
-    }
+    let mask = mask.transpose()?;
     let frame = scale.frame(&contents.frame);
     let surface = contents.surface;
     let mut result = Contents { mask, surface, frame, ..Contents::new(bits, colours) };
@@ -132,12 +129,14 @@ impl Scale {
         ((v.as_vec3() + 0.5) * self.old_per_new).as_uvec3().min(self.old - 1)
     }
 
-    /// Returns the box of old voxels that a new brick reaches, with their neighbours.
-    fn around(&self, b: UVec3) -> [UVec3; 2] {
-        let low = (b * BRICK_EDGE_VX).as_vec3() * self.old_per_new - 2.0;
-        let high = ((b + 1) * BRICK_EDGE_VX).as_vec3() * self.old_per_new + 2.0;
+    /// Returns the old bricks that new ones reach, with the neighbours of their voxels.
+    fn around(&self, new: BrickBox) -> BrickBox {
+        let VoxelBox { min, max } = new.voxels();
+        let low = min.as_vec3() * self.old_per_new - 2.0;
+        let high = max.as_vec3() * self.old_per_new + 2.0;
         let last = self.old - 1;
-        [low.max(Vec3::ZERO).as_uvec3().min(last), high.as_uvec3().min(last)]
+        let [low, high] = [low.max(Vec3::ZERO), high].map(|v| v.as_uvec3().min(last));
+        BrickBox { min: low / BRICK_EDGE_VX, max: high / BRICK_EDGE_VX + 1 }
     }
 
     /// Returns the frame in the new resolution, rounded to whole voxels.
@@ -148,44 +147,69 @@ impl Scale {
     }
 }
 
-/// The field of distances of a grid.
-struct Field {
-    levels: LevelSet,
+/// Fills new grids within a limit of memory, with progress.
+struct Filling<'a> {
+    budget: u64,
+    /// Bytes of the mixed bricks so far.
+    used: AtomicU64,
+    progress: &'a dyn Progress,
+    /// Bricks of a grid, and those done.
+    all: u64,
+    done: AtomicU64,
 }
 
-fn field_of(grid: &Grid, limits: &Limits, progress: &dyn Progress) -> Result<Field, ResampleError> {
-    let mut levels = LevelSet::for_mesh(grid, limits.grid_bytes)?;
-    let mut normals = NormalField::default();
-    progress.begin("smoothing");
-    normals.follow(grid, None);
-    let all = normals.outstanding().max(1);
-    let go_on = |portions: &mut usize| {
-        *portions += 1;
-        *portions <= PORTIONS && !progress.is_cancelled()
-    };
-    let mut changed = Vec::new();
-    while normals.outstanding() > 0 && !progress.is_cancelled() {
-        let mut portions = 0;
-        normals.update(grid, &mut changed, || go_on(&mut portions));
-        progress.advance(1.0 - normals.outstanding() as f32 / all as f32);
+impl<'a> Filling<'a> {
+    fn new(grid: &Grid, budget: u64, progress: &'a dyn Progress) -> Filling<'a> {
+        let all = grid.brick_count() as u64;
+        Filling { budget, used: AtomicU64::new(0), progress, all, done: AtomicU64::new(0) }
     }
-    levels.follow(grid, &changed);
-    while levels.outstanding() > 0 && !progress.is_cancelled() {
-        let mut portions = 0;
-        levels.update_while(grid, &normals, &mut Vec::new(), || go_on(&mut portions));
+
+    /// Sets all bricks: those of a cube for which `whole` returns whether it is full or empty at once.
+    fn fill(
+        &mut self,
+        grid: &mut Grid,
+        whole: impl Fn(BrickBox) -> Option<bool> + Sync,
+        brick: impl Fn(UVec3) -> Brick + Sync,
+    ) -> Result<(), ResampleError> {
+        self.done = AtomicU64::new(0);
+        let this = &*self;
+        let cube = |bricks: BrickBox| {
+            if this.is_stopped() {
+                return Some(false);
+            }
+            whole(bricks).inspect(|_| this.advance(bricks.brick_count()))
+        };
+        let one = |b: UVec3| {
+            let made = if this.is_stopped() { Brick::EMPTY } else { brick(b) };
+            if !made.is_empty() && !made.is_full() {
+                this.used.fetch_add(size_of::<Brick>() as u64, Ordering::Relaxed);
+            }
+            this.advance(1);
+            made
+        };
+        grid.fill_cubes(cube, one);
+        if self.progress.is_cancelled() {
+            return Err(ResampleError::Cancelled);
+        }
+        let used = self.used.load(Ordering::Relaxed);
+        Ok(OverBudget::check("this needs at least", used, MemoryBudget::Grids, self.budget)?)
     }
-    progress.end();
-    if progress.is_cancelled() { Err(ResampleError::Cancelled) } else { Ok(Field { levels }) }
+
+    fn is_stopped(&self) -> bool {
+        self.progress.is_cancelled() || self.used.load(Ordering::Relaxed) > self.budget
+    }
+
+    fn advance(&self, bricks: u64) {
+        let before = self.done.fetch_add(bricks, Ordering::Relaxed);
+        let share = |done: u64| done.saturating_mul(REPORTS) / self.all;
+        if share(before) != share(before + bricks) {
+            self.progress.advance((before + bricks) as f32 / self.all as f32);
+        }
+    }
 }
 
 /// Returns a new brick.
-fn brick_of(grid: &Grid, field: &Field, scale: &Scale, b: UVec3) -> Brick {
-    let [low, high] = scale.around(b);
-    match uniform(grid, low, high) {
-        Some(true) => return Brick::FULL,
-        Some(false) => return Brick::EMPTY,
-        None => {}
-    }
+fn brick_of(levels: &LevelSet, grid: &Grid, scale: &Scale, b: UVec3) -> Brick {
     let mut cache = CellCache::default();
     let (points, step) = (scale.points, scale.old_per_new / scale.points.as_vec3());
     gather(b, |v| {
@@ -195,7 +219,7 @@ fn brick_of(grid: &Grid, field: &Field, scale: &Scale, b: UVec3) -> Brick {
             for y in 0..points.y {
                 for x in 0..points.x {
                     let at = corner + (UVec3::new(x, y, z).as_vec3() + 0.5) * step;
-                    sum += field.levels.distance_vx(grid, at, &mut cache).clamp(-1.0, 1.0);
+                    sum += levels.distance_vx(grid, at, &mut cache).clamp(-1.0, 1.0);
                 }
             }
         }
@@ -203,26 +227,12 @@ fn brick_of(grid: &Grid, field: &Field, scale: &Scale, b: UVec3) -> Brick {
     })
 }
 
-/// Returns whether all voxels of a box exist, or none of them; `None` if only some do, or if it is at the border.
-fn uniform(grid: &Grid, low: UVec3, high: UVec3) -> Option<bool> {
-    let first = grid.get(low.as_ivec3());
-    let is_inside = low.cmpgt(UVec3::ZERO).all() && high.cmplt(grid.dims() - 1).all();
-    if first && !is_inside {
-        return None;
-    }
-    let (from, to) = (low / BRICK_EDGE_VX, high / BRICK_EDGE_VX);
-    for z in from.z..=to.z {
-        for y in from.y..=to.y {
-            for x in from.x..=to.x {
-                let brick = grid.brick(UVec3::new(x, y, z));
-                let is_same = if first { brick.is_full() } else { brick.is_empty() };
-                if !is_same {
-                    return None;
-                }
-            }
-        }
-    }
-    Some(first)
+/// Returns whether all voxels of some bricks exist, or none of them; `None` if only some do, or if they exist and the
+/// surface at the border of the grid lies among them.
+fn uniform(grid: &Grid, bricks: BrickBox) -> Option<bool> {
+    let is_inside = bricks.min.cmpgt(UVec3::ZERO).all()
+        && bricks.max.cmplt(grid.brick_dims()).all();
+    uniform_in(grid, bricks).filter(|exist| !exist || is_inside)
 }
 
 /// Returns a brick of the voxels for which `exists` is true.
@@ -278,11 +288,7 @@ fn colours_of(
 /// Returns the page of a new brick; `None` if all of it has the base colour.
 fn page_of(contents: &Contents, scale: &Scale, b: UVec3) -> Option<Page> {
     let material = &contents.material;
-    let [low, high] = scale.around(b).map(|v| v / BRICK_EDGE_VX);
-    let mut bricks = (low.z..=high.z).flat_map(|z| {
-        (low.y..=high.y).flat_map(move |y| (low.x..=high.x).map(move |x| UVec3::new(x, y, z)))
-    });
-    if !bricks.any(|b| material.page(b).is_some()) {
+    if !material.is_painted_in(scale.around(BrickBox { min: b, max: b + 1 })) {
         return None;
     }
     let (depth, size) = (material.depth(), material.depth().bytes());

@@ -72,7 +72,7 @@ fn work_that_is_impossible_or_cancelled_gives_nothing() {
         (Resolution::Factor(f32::NAN), "factor"),
         (Resolution::Factor(64.0), "grid of"),
         (Resolution::Dims(UVec3::new(0, 1, 1)), "grid of"),
-        (Resolution::Dims(UVec3::splat(4000)), "2^32"),
+        (Resolution::Dims(UVec3::new(10, 5000, 10)), "4096"),
     ] {
         let error = resampled(&before, to, &Limits::default(), &()).unwrap_err().to_string();
         assert!(error.contains(part), "{error}");
@@ -84,4 +84,9 @@ fn work_that_is_impossible_or_cancelled_gives_nothing() {
     let limits = Limits { colour_bytes: 64, ..Limits::default() };
     let result = resampled(&before, Resolution::Factor(2.0), &limits, &());
     assert!(matches!(result, Err(ResampleError::OverBudget(_))));
+    // As much as the field of the former resolution takes.
+    let grid_bytes = Grid::bytes_for(before.grid.dims()) * 16;
+    let limits = Limits { grid_bytes, ..Limits::default() };
+    let result = resampled(&before, Resolution::Factor(8.0), &limits, &());
+    assert!(matches!(result, Err(ResampleError::OverBudget(_))), "{result:?}");
 }

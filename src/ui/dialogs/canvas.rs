@@ -63,7 +63,7 @@ impl Dialog for CanvasWindow {
             .show(root.ctx(), |ui| {
                 ui.set_width(WIDTH);
                 let mut ask = |command| requests.push(UiRequest::Run(command));
-                present(ui, context);
+                present(ui, context, &mut ask);
                 size(ui, self, context, &mut ask);
                 growth(ui, self, &mut ask);
                 ui.separator();
@@ -73,12 +73,17 @@ impl Dialog for CanvasWindow {
     }
 }
 
-/// Shows the present box.
-fn present(ui: &mut Ui, context: &UiContext) {
+/// Shows the present box, and whether it grows.
+fn present(ui: &mut Ui, context: &UiContext, ask: &mut impl FnMut(Command)) {
     let canvas = context.document.contents().canvas();
     let UVec3 { x, y, z } = canvas.dims;
     let [from_x, from_y, from_z] = canvas.frame.origin.to_array();
     ui.label(format!("{x} × {y} × {z} voxels, from {from_x}, {from_y}, {from_z}"));
+    let mut grows = canvas.frame.grows;
+    let help = "Tools that add beyond the canvas make it larger, in the same step of undo";
+    if ui.checkbox(&mut grows, "Grow as needed").on_hover_text(help).changed() {
+        ask(Command::Canvas(CanvasChange::Auto(grows)));
+    }
 }
 
 fn size(

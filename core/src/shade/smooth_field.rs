@@ -1,25 +1,25 @@
-//! The smooth surface that a mesh follows, as shown in pictures; it is kept and follows edits.
+//! The smooth surface of a whole sculpture, as shown in pictures, for meshes and other resolutions; it may be kept and
+//! follow edits.
 //!
 //! Takes a grid and its changes; returns levels, and the bricks whose levels have changed. Knows no vertices.
 
-use super::MeshError;
+use super::{LevelSet, NormalField};
 use crate::progress::Progress;
-use crate::sculpture::{Grid, Limits};
-use crate::shade::{LevelSet, NormalField};
+use crate::sculpture::{Grid, GridError, Limits};
 
 /// Portions of work between two progress reports.
 const PORTIONS: usize = 16;
 
 /// Normals and levels of a grid.
 #[derive(Debug)]
-pub(super) struct SmoothField {
+pub(crate) struct SmoothField {
     normals: NormalField,
     levels: LevelSet,
 }
 
 impl SmoothField {
     /// Returns the surface of a grid of this size, within `limits`; all is outstanding.
-    pub fn new(grid: &Grid, limits: &Limits) -> Result<SmoothField, MeshError> {
+    pub fn new(grid: &Grid, limits: &Limits) -> Result<SmoothField, GridError> {
         let levels = LevelSet::new(grid, limits.grid_bytes)?;
         Ok(SmoothField { normals: NormalField::default(), levels })
     }
@@ -34,13 +34,14 @@ impl SmoothField {
     }
 
     /// Computes the surface of `grid`. `changed`: the bricks whose voxels differ from the last time, to which those
-    /// whose levels differ are added; `None`: all may differ.
+    /// whose levels differ are added; `None`: all may differ. Returns false if it was cancelled.
+    #[must_use]
     pub fn update(
         &mut self,
         grid: &Grid,
         changed: Option<&mut Vec<u32>>,
         progress: &dyn Progress,
-    ) -> Result<(), MeshError> {
+    ) -> bool {
         progress.begin("smoothing");
         let SmoothField { normals, levels } = self;
         normals.follow(grid, changed.as_deref().map(Vec::as_slice));
@@ -74,13 +75,13 @@ impl SmoothField {
         }
         progress.end();
         if progress.is_cancelled() {
-            return Err(MeshError::Cancelled);
+            return false;
         }
         if let Some(changed) = changed {
             changed.append(&mut moved);
             changed.sort_unstable();
             changed.dedup();
         }
-        Ok(())
+        true
     }
 }
