@@ -22,7 +22,15 @@ add ellipsoid at=128,128,128 half=44 colour=#d8b44a
 pub fn picture(size: UVec2) -> Result<RgbaImage, Box<dyn Error>> {
     let (dims, voxel_size) = (UVec3::splat(256), Vec3::ONE);
     let (colour_depth, base) = (ColourDepth::Bits24, Rgb::STONE);
-    let new = NewSculpture { dims, voxel_size, colour_depth, base, solid: false, room_vx: 0, grows: false };
+    let new = NewSculpture {
+        dims,
+        voxel_size,
+        colour_depth,
+        base,
+        solid: false,
+        room_vx: 0,
+        grows: false,
+    };
     let mut document = Document::new(&new, Limits::default())?;
     for (_, command) in parse_script(SCRIPT)? {
         document.apply(&command)?;

@@ -73,7 +73,10 @@ impl SurfaceGuide {
     /// Returns the point under `look` (pixels).
     fn point_at(&mut self, look: Vec2, grid: &Grid, picker: &Picker) -> Vec3 {
         let sight = picker.sight();
-        let found = self.seen.as_ref().and_then(|map| shifted_surface_point(map, grid, look, self.shift_vx));
+        let found = self
+            .seen
+            .as_ref()
+            .and_then(|map| shifted_surface_point(map, grid, look, self.shift_vx));
         let point = found.map_or_else(|| sight.at_depth(look, self.depth), |seen| seen.point);
         self.depth = sight.depth(point);
         point

@@ -53,13 +53,7 @@ pub fn shifted_surface_point(
 
 /// Returns the axis of the face by which a ray enters a visible voxel: the last plane that it crosses among the open
 /// faces. A ray that reaches the voxel only by rounding crosses them in nearly the same order.
-fn seen_face(
-    grid: &Grid,
-    voxel: UVec3,
-    shift_vx: IVec3,
-    origin: Vec3,
-    direction: Vec3,
-) -> usize {
+fn seen_face(grid: &Grid, voxel: UVec3, shift_vx: IVec3, origin: Vec3, direction: Vec3) -> usize {
     let enter = |axis: usize| {
         let near = voxel[axis] as f32 + if direction[axis] < 0.0 { 1.0 } else { 0.0 };
         match direction[axis] {

@@ -273,7 +273,9 @@ fn parse_new(args: &mut Arguments) -> Result<NewSculpture, ParseError> {
             })?
             .unwrap_or(true),
         room_vx: args.optional("room", number)?.unwrap_or(0),
-        grows: args.optional("grow", |text| selection::is_on(text).ok_or("must be on or off".into()))?.unwrap_or(false),
+        grows: args
+            .optional("grow", |text| selection::is_on(text).ok_or("must be on or off".into()))?
+            .unwrap_or(false),
     })
 }
 

@@ -249,8 +249,8 @@ fn beyond(reach: VoxelBox, dims: UVec3) -> [UVec3; 2] {
 fn fitting(target: &EditTarget, outside: [UVec3; 2]) -> Option<Canvas> {
     let now = target.contents.canvas();
     let left = UVec3::splat(MAX_AXIS_VX).saturating_sub(now.dims);
-    let [low, high] = outside
-        .map(|side| side.min(left).map(|side_vx| side_vx.next_multiple_of(CANVAS_STEP_VX)));
+    let [low, high] =
+        outside.map(|side| side.min(left).map(|side_vx| side_vx.next_multiple_of(CANVAS_STEP_VX)));
     let low = low.min(left / CANVAS_STEP_VX * CANVAS_STEP_VX);
     let to = now.grown_by(low, high.min(left - low));
     check_canvas(&target.contents, &to).is_ok().then_some(to)

@@ -14,8 +14,8 @@ use crate::progress::Progress;
 use crate::refusal::{InvalidValue, MemoryBudget, OverBudget};
 use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, Brick, local_coords};
 use crate::sculpture::canvas_frame::CanvasFrame;
-use crate::sculpture::history::Contents;
 use crate::sculpture::grid::uniform_in;
+use crate::sculpture::history::Contents;
 use crate::sculpture::material::{MAX_PAGE_BYTES, Page};
 use crate::sculpture::region::{BrickBox, VoxelBox};
 use crate::sculpture::{Grid, GridError, Limits, Material};
@@ -90,7 +90,11 @@ pub fn resampled(
     }
     progress.begin("resampling the voxels");
     let mut filling = Filling::new(&bits, limits.grid_bytes, progress);
-    filling.fill(&mut bits, |b| uniform(grid, scale.around(b)), |b| brick_of(field.levels(), grid, &scale, b))?;
+    filling.fill(
+        &mut bits,
+        |b| uniform(grid, scale.around(b)),
+        |b| brick_of(field.levels(), grid, &scale, b),
+    )?;
     progress.end();
     let colours = colours_of(contents, &bits, &scale, (limits, progress))?;
     let mask = contents.mask.as_ref().map(|mask| {
@@ -230,8 +234,8 @@ fn brick_of(levels: &LevelSet, grid: &Grid, scale: &Scale, b: UVec3) -> Brick {
 /// Returns whether all voxels of some bricks exist, or none of them; `None` if only some do, or if they exist and the
 /// surface at the border of the grid lies among them.
 fn uniform(grid: &Grid, bricks: BrickBox) -> Option<bool> {
-    let is_inside = bricks.min.cmpgt(UVec3::ZERO).all()
-        && bricks.max.cmplt(grid.brick_dims()).all();
+    let is_inside =
+        bricks.min.cmpgt(UVec3::ZERO).all() && bricks.max.cmplt(grid.brick_dims()).all();
     uniform_in(grid, bricks).filter(|exist| !exist || is_inside)
 }
 

@@ -57,7 +57,8 @@ pub fn reframed(
     };
     result.drop_empty_mask();
     // Only what a border cuts takes more than before: bricks in one layer at each side.
-    let bits = |of: &Contents| of.grid.heap_bytes() + of.mask.as_ref().map_or(0, |m| m.heap_bytes());
+    let bits =
+        |of: &Contents| of.grid.heap_bytes() + of.mask.as_ref().map_or(0, |m| m.heap_bytes());
     let colours = |of: &Contents| of.material.heap_bytes();
     for (before, after, purpose, budget) in [
         (bits(contents), bits(&result), MemoryBudget::Grids, limits.grid_bytes),

@@ -312,7 +312,8 @@ fn beyond_the_limits_tools_are_clipped() {
 
 #[test]
 fn the_box_does_not_grow_for_more_than_the_memory_allows() {
-    let mut document = document("new dims=40,40,40", Limits { grid_bytes: 20_000, ..Limits::default() });
+    let mut document =
+        document("new dims=40,40,40", Limits { grid_bytes: 20_000, ..Limits::default() });
     apply(&mut document, "canvas auto on");
     let before = document.contents().clone();
     // The shell of this ball alone takes more.

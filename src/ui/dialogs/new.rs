@@ -132,9 +132,8 @@ fn fields(ui: &mut Ui, dialog: &mut NewDialog) {
         ui.label("Room");
         let room = DragValue::new(&mut dialog.room_vx).range(0..=MAX_AXIS_VX).speed(1.0);
         ui.horizontal(|ui| {
-            ui.add(room.suffix(" voxels")).on_hover_text(
-                "Empty voxels at every side of the block, for what is added to it",
-            );
+            ui.add(room.suffix(" voxels"))
+                .on_hover_text("Empty voxels at every side of the block, for what is added to it");
             ui.checkbox(&mut dialog.grows, "Grow as needed").on_hover_text(
                 "Tools that add beyond the box make it larger, in the same step of undo",
             );
