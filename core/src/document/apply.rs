@@ -10,10 +10,11 @@ use glam::IVec3;
 use super::edit_target::EditTarget;
 use super::timeline::Direction;
 use super::{
-    Applied, CommandError, Document, areas, brush, clipboard, make_contents, mask, orient,
-    plan_repair, repair, resample_contents, solids, strokes,
+    Applied, CommandError, Document, areas, brush, canvas, clipboard, make_contents, mask, orient,
+    plan_repair, repair, solids, strokes,
 };
 use crate::command::{Command, SelectOp};
+use crate::resample::resampled;
 use crate::sculpture::edit::{EditOp, EditStats};
 use crate::sculpture::history::{Contents, StepChange, SurfaceKind};
 use crate::sculpture::orientation::Orientation;
@@ -31,11 +32,11 @@ pub(super) struct ChangeCounters {
 impl Document {
     /// Executes a command, whose coordinates are signed ones. On an error nothing has changed.
     pub fn apply(&mut self, command: &Command) -> Result<Applied, CommandError> {
-        let growth = self.grow_for(command);
+        let growth = canvas::grow_for(self, command);
         let in_grid = command.translated(-self.target.origin());
         let done = self.apply_in_grid(&in_grid);
         if let Some(growth) = growth {
-            self.settle_growth(growth, &done);
+            canvas::settle_growth(self, growth, &done);
         }
         if done.is_ok() && command.is_tool_use() {
             self.strokes.note_use(command);
@@ -114,10 +115,10 @@ impl Document {
                 let plan = plan_repair(&self.target.contents, repair, self.limits(), &())?;
                 self.put_repaired(&plan, repair, command)
             }
-            Command::Canvas(change) => self.change_canvas(change, command),
+            Command::Canvas(change) => canvas::change_canvas(self, change, command),
             Command::Resample(to) => {
                 self.require_can_resample()?;
-                let contents = resample_contents(&self.target.contents, *to, self.limits(), &())?;
+                let contents = resampled(&self.target.contents, *to, self.limits(), &())?;
                 self.put_resampled(contents, command)
             }
             Command::Surface(kind) => self.show_surface(*kind, command),
@@ -364,6 +365,26 @@ impl Document {
         command: &Command,
     ) -> Result<Applied, CommandError> {
         self.edit(command, |target| repair::carry_out(target, plan, repair))
+    }
+
+    /// Returns an error if the sculpture cannot be resampled: within a stroke, or if the history cannot keep the former
+    /// one and irreversible steps are not allowed.
+    pub fn require_can_resample(&self) -> Result<(), CommandError> {
+        self.require_no_stroke("resample")?;
+        self.require_room_for_whole("resample")
+    }
+
+    /// Replaces the contents by the same ones in another resolution, as one undo step. The marker is reset.
+    pub fn put_resampled(
+        &mut self,
+        contents: Contents,
+        command: &Command,
+    ) -> Result<Applied, CommandError> {
+        self.require_can_resample()?;
+        let before = Box::new(self.target.swap_contents(contents));
+        self.strokes.forget_last_uses();
+        self.timeline.push_change(command.label(), StepChange::Whole(before));
+        Ok(Applied::default())
     }
 
     /// Selects the kind of surface, as one undo step.

@@ -36,117 +36,117 @@ pub(super) struct Growth {
     surface: Option<Grid>,
 }
 
-impl Document {
-    /// Changes the box as one undo step, unless it is so already.
-    pub(super) fn change_canvas(
-        &mut self,
-        change: &CanvasChange,
-        command: &Command,
-    ) -> Result<Applied, CommandError> {
-        self.require_no_stroke("canvas")?;
-        let now = self.contents().canvas();
-        let to = match *change {
-            CanvasChange::Size(dims) => Canvas { dims, ..now },
-            CanvasChange::Grow { by_vx, sides } => now.grown(by_vx, sides),
-            CanvasChange::Crop => {
-                let (min, max) = self.grid().opaque_bounds().ok_or(CommandError::NothingToCrop)?;
-                now.cropped(min, max)
-            }
-            CanvasChange::Auto(grows) => {
-                Canvas { frame: CanvasFrame { grows, ..now.frame }, ..now }
-            }
-        };
-        if to == now {
-            return Ok(Applied::default());
+/// Changes the box as one undo step, unless it is so already.
+pub(super) fn change_canvas(
+    document: &mut Document,
+    change: &CanvasChange,
+    command: &Command,
+) -> Result<Applied, CommandError> {
+    document.require_no_stroke("canvas")?;
+    let now = document.contents().canvas();
+    let to = match *change {
+        CanvasChange::Size(dims) => Canvas { dims, ..now },
+        CanvasChange::Grow { by_vx, sides } => now.grown(by_vx, sides),
+        CanvasChange::Crop => {
+            let (min, max) = document.grid().opaque_bounds().ok_or(CommandError::NothingToCrop)?;
+            now.cropped(min, max)
         }
-        let contents = reframed(&self.target.contents, &to, self.limits())?;
-        let is_exact = keeps_all(&self.target.contents, &contents);
-        let bytes = if is_exact { 0 } else { self.target.contents.kept_bytes() };
-        self.timeline.require_room(&command.label(), bytes)?;
-        let change = self.target.swap_canvas(contents);
-        self.timeline.push_change(command.label(), change);
-        Ok(Applied::default())
+        CanvasChange::Auto(grows) => Canvas { frame: CanvasFrame { grows, ..now.frame }, ..now },
+    };
+    if to == now {
+        return Ok(Applied::default());
     }
+    let contents = reframed(&document.target.contents, &to, document.limits())?;
+    let is_exact = keeps_all(&document.target.contents, &contents);
+    let bytes = if is_exact { 0 } else { document.target.contents.kept_bytes() };
+    document.timeline.require_room(&command.label(), bytes)?;
+    let change = document.target.swap_canvas(contents);
+    document.timeline.push_change(command.label(), change);
+    Ok(Applied::default())
+}
 
-    /// Lets the box grow for a command that puts voxels beyond it, if it may grow. [`Document::settle_growth`] must
-    /// follow.
-    pub(super) fn grow_for(&mut self, command: &Command) -> Option<Growth> {
-        if !self.contents().frame.grows || !may_add(command) {
-            return None;
+/// Lets the box grow for a command that puts voxels beyond it, if it may grow. [`settle_growth`]
+/// must follow.
+pub(super) fn grow_for(document: &mut Document, command: &Command) -> Option<Growth> {
+    if !document.contents().frame.grows || !may_add(command) {
+        return None;
+    }
+    let now = document.contents().canvas();
+    let in_grid = command.translated(-now.frame.origin);
+    let reach = reach_of(document, &in_grid)?;
+    let outside = beyond(reach, now.dims);
+    if outside == [UVec3::ZERO; 2] {
+        return None;
+    }
+    let room = fitting(&document.target, outside)?;
+    let counts = document.counts();
+    let replaces = matches!(command, Command::Brush(used) if used.replaces_stroke());
+    let aside = replaces.then(|| document.target.set_aside());
+    match needed(document, command, &room) {
+        Some(contents) => {
+            let to = contents.canvas();
+            let surface = document.strokes.surface().map(|bits| reframed_bits(bits, &now, &to));
+            let surface = document.strokes.swap_surface(surface);
+            document.target.grow(contents);
+            Some(Growth { counts, aside, surface })
         }
-        let now = self.contents().canvas();
-        let in_grid = command.translated(-now.frame.origin);
-        let reach = reach_of(self, &in_grid)?;
-        let outside = beyond(reach, now.dims);
-        if outside == [UVec3::ZERO; 2] {
-            return None;
-        }
-        let room = fitting(&self.target, outside)?;
-        let counts = self.counts();
-        let replaces = matches!(command, Command::Brush(used) if used.replaces_stroke());
-        let aside = replaces.then(|| self.target.set_aside());
-        match self.needed(command, &room) {
-            Some(contents) => {
-                let to = contents.canvas();
-                let surface = self.strokes.surface().map(|bits| reframed_bits(bits, &now, &to));
-                let surface = self.strokes.swap_surface(surface);
-                self.target.grow(contents);
-                Some(Growth { counts, aside, surface })
+        None => {
+            if let Some(aside) = aside {
+                document.target.put_again(aside);
+                document.return_to(counts);
             }
-            None => {
-                if let Some(aside) = aside {
-                    self.target.put_again(aside);
-                    self.return_to(counts);
-                }
-                None
-            }
+            None
         }
     }
+}
 
-    /// Takes a growth back if the edit for which it was made has failed or changed nothing.
-    pub(super) fn settle_growth(&mut self, growth: Growth, done: &Result<Applied, CommandError>) {
-        let Growth { counts, aside, surface } = growth;
-        if done.as_ref().is_ok_and(|applied| applied.stats.bricks_changed > 0) {
-            return;
-        }
-        self.target.take_growth_back();
-        self.strokes.swap_surface(surface);
-        match (aside, done) {
-            (Some(aside), Err(_)) => {
-                self.target.put_again(aside);
-                self.return_to(counts);
-            }
-            (None, _) => self.return_to(counts),
-            // The edits set aside have been replaced by none.
-            (Some(_), Ok(_)) => {}
-        }
+/// Takes a growth back if the edit for which it was made has failed or changed nothing.
+pub(super) fn settle_growth(
+    document: &mut Document,
+    growth: Growth,
+    done: &Result<Applied, CommandError>,
+) {
+    let Growth { counts, aside, surface } = growth;
+    if done.as_ref().is_ok_and(|applied| applied.stats.bricks_changed > 0) {
+        return;
     }
+    document.target.take_growth_back();
+    document.strokes.swap_surface(surface);
+    match (aside, done) {
+        (Some(aside), Err(_)) => {
+            document.target.put_again(aside);
+            document.return_to(counts);
+        }
+        (None, _) => document.return_to(counts),
+        // The edits set aside have been replaced by none.
+        (Some(_), Ok(_)) => {}
+    }
+}
 
-    /// Tries a command in a larger box. Returns the contents in a box that is as large as its new voxels need, unless
-    /// none of them lies beyond the present one.
-    fn needed(&self, command: &Command, room: &Canvas) -> Option<Contents> {
-        let now = self.contents().canvas();
-        let limits = self.limits();
-        let contents = reframed(self.contents(), room, limits).ok()?;
-        let shift = now.frame.origin - room.frame.origin;
-        let mut probe = EditTarget::new(contents, *limits);
-        probe.selection = self.target.selection.shifted(shift);
-        probe.symmetry = self.target.symmetry;
-        let surface = self.strokes.surface().map(|bits| reframed_bits(bits, &now, room));
-        let in_grid = command.translated(-room.frame.origin);
-        try_on(&mut probe, self, surface, &in_grid).ok()?;
-        let (min, max) = probe.grid().opaque_bounds()?;
-        let new = VoxelBox { min: min.as_ivec3() - shift, max: max.as_ivec3() - shift };
-        let outside = beyond(new, now.dims);
-        if outside == [UVec3::ZERO; 2] {
-            return None;
-        }
-        // No further than the room, which fits into the limits.
-        let most = [shift.as_uvec3(), room.dims - now.dims - shift.as_uvec3()];
-        let step = |v: UVec3| v.map(|v| v.next_multiple_of(CANVAS_STEP_VX));
-        let [low, high] = [0, 1].map(|side| step(outside[side]).min(most[side]));
-        reframed(self.contents(), &now.grown_by(low, high), limits).ok()
+/// Tries a command in a larger box. Returns the contents in a box that is as large as its new voxels need, unless
+/// none of them lies beyond the present one.
+fn needed(document: &Document, command: &Command, room: &Canvas) -> Option<Contents> {
+    let now = document.contents().canvas();
+    let limits = document.limits();
+    let contents = reframed(document.contents(), room, limits).ok()?;
+    let shift = now.frame.origin - room.frame.origin;
+    let mut probe = EditTarget::new(contents, *limits);
+    probe.selection = document.target.selection.shifted(shift);
+    probe.symmetry = document.target.symmetry;
+    let surface = document.strokes.surface().map(|bits| reframed_bits(bits, &now, room));
+    let in_grid = command.translated(-room.frame.origin);
+    try_on(&mut probe, document, surface, &in_grid).ok()?;
+    let (min, max) = probe.grid().opaque_bounds()?;
+    let new = VoxelBox { min: min.as_ivec3() - shift, max: max.as_ivec3() - shift };
+    let outside = beyond(new, now.dims);
+    if outside == [UVec3::ZERO; 2] {
+        return None;
     }
+    // No further than the room, which fits into the limits.
+    let most = [shift.as_uvec3(), room.dims - now.dims - shift.as_uvec3()];
+    let step = |v: UVec3| v.map(|v| v.next_multiple_of(CANVAS_STEP_VX));
+    let [low, high] = [0, 1].map(|side| step(outside[side]).min(most[side]));
+    reframed(document.contents(), &now.grown_by(low, high), limits).ok()
 }
 
 /// Returns whether a command can put voxels where none were.

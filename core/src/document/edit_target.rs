@@ -27,11 +27,10 @@ use crate::tools::symmetry::{Symmetry, SymmetryTransform};
 
 use memory::BitsInUse;
 
-mod canvas;
 mod memory;
 mod swap;
 
-pub(super) use canvas::SetAside;
+pub(super) use swap::SetAside;
 
 /// The contents that commands edit.
 #[derive(Debug)]

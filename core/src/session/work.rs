@@ -14,13 +14,13 @@ use super::histories;
 use super::lock::FileLock;
 use super::on_disk::FileIdentity;
 use crate::command::{Command, NewSculpture};
-use crate::document::{self, Limits};
+use crate::document::{self, CommandError, Limits};
 use crate::format::options::{ExportOptions, ImportOptions};
 use crate::format::{self, Loaded, Texts};
 use crate::mesh::{ContentsVersion, MeshCache};
 use crate::persist::saved_history::{FoundHistory, HistoryToKeep, KeptSteps, SavedHistories};
 use crate::progress::Progress;
-use crate::resample::Resolution;
+use crate::resample::{self, Resolution};
 use crate::sculpture::history::{Contents, State};
 use crate::sculpture::orientation::Orientation;
 use crate::tools::repair::{Repair, RepairPlan};
@@ -142,7 +142,8 @@ impl Work {
                 WorkOutcome::Oriented { orientation, contents: Box::new(contents), state }
             }
             Task::Resample { to, contents, limits, state } => {
-                let contents = document::resample_contents(&contents, to, &limits, progress)?;
+                let resampled = resample::resampled(&contents, to, &limits, progress);
+                let contents = resampled.map_err(CommandError::from)?;
                 WorkOutcome::Resampled { contents: Box::new(contents), state }
             }
             Task::Repair { repair, contents, limits, state } => {

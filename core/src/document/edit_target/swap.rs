@@ -1,10 +1,12 @@
-//! Exchanges the edited data for earlier or other values: recorded bricks, the kind of surface, the mask, or the whole
-//! contents.
+//! Exchanges the edited data for earlier or other values: recorded bricks, the kind of surface, the mask, the whole
+//! contents, or the same contents in another box, also within a stroke, whose record a growth divides.
 //!
-//! Takes the new values and returns the old ones. A
-//! change for which the system lacks memory is refused before anything has changed. Knows no undo steps.
+//! Takes the new values and returns the old ones. A change for which the system lacks memory is refused before anything
+//! has changed. Selection and marker stay where they are in signed coordinates. Knows no undo steps.
 
 use std::sync::Arc;
+
+use glam::IVec3;
 
 use super::EditTarget;
 use crate::document::CommandError;
@@ -14,9 +16,22 @@ use crate::sculpture::history::{Contents, StepChange, SurfaceKind};
 use crate::sculpture::memory::NoMemory;
 use crate::sculpture::orientation::Orientation;
 use crate::sculpture::record::BrickRecord;
+use crate::sculpture::reframe::{keeps_all, reframed};
 use crate::sculpture::selection::Selection;
 use crate::sculpture::stroke::StrokeRecorder;
-use crate::sculpture::{Grid, GridError};
+use crate::sculpture::{Grid, GridError, Limits};
+
+/// For a box that the sculpture has had before.
+const ANY_SIZE: Limits = Limits {
+    grid_bytes: u64::MAX,
+    colour_bytes: u64::MAX,
+    history_bytes: usize::MAX,
+    history_disk_bytes: u64::MAX,
+};
+
+/// The edits that a stroke has recorded, taken back for as long as the box grows.
+#[derive(Debug)]
+pub(in crate::document) struct SetAside(BrickRecord);
 
 impl EditTarget {
     pub fn no_memory(&self, error: NoMemory) -> CommandError {
@@ -162,5 +177,75 @@ impl EditTarget {
     /// Exchanges the mask without recording it.
     pub fn swap_mask(&mut self, mask: Option<Box<Grid>>) -> Option<Box<Grid>> {
         std::mem::replace(&mut Arc::make_mut(&mut self.contents).mask, mask)
+    }
+
+    /// Replaces the contents by the same ones in another box, and returns the reverse change.
+    pub fn swap_canvas(&mut self, contents: Contents) -> StepChange {
+        let shift = self.contents.frame.origin - contents.frame.origin;
+        self.selection = self.selection.shifted(shift);
+        let old = self.put_contents(contents);
+        let back = old.canvas();
+        let is_exact = keeps_all(&old, &self.contents);
+        let before = (!is_exact).then(|| Box::new(Arc::unwrap_or_clone(old)));
+        StepChange::Canvas { back, before }
+    }
+
+    /// Reverses the move of a box and returns the change that repeats it.
+    pub fn take_canvas_back(
+        &mut self,
+        back: Canvas,
+        before: Option<Box<Contents>>,
+    ) -> Result<StepChange, Box<(StepChange, CommandError)>> {
+        match before {
+            // Repeating the move restores the present contents exactly.
+            Some(before) => {
+                let present = self.contents.canvas();
+                self.swap_canvas(*before);
+                Ok(StepChange::Canvas { back: present, before: None })
+            }
+            None => match reframed(&self.contents, &back, &ANY_SIZE) {
+                Ok(contents) => Ok(self.swap_canvas(contents)),
+                Err(error) => {
+                    Err(Box::new((StepChange::Canvas { back, before: None }, error.into())))
+                }
+            },
+        }
+    }
+
+    /// Takes back the edits recorded since the box last grew, which the next use of a brush will replace.
+    pub fn set_aside(&mut self) -> SetAside {
+        let record = self.recorder.finish();
+        SetAside(self.swap_bricks(record))
+    }
+
+    /// Repeats the edits that were set aside, in the same box.
+    pub fn put_again(&mut self, aside: SetAside) {
+        let record = self.swap_bricks(aside.0);
+        self.resume(record);
+    }
+
+    /// Lets the box grow before an edit, as a change of the same undo step.
+    pub fn grow(&mut self, contents: Contents) {
+        self.close_record();
+        let change = self.swap_canvas(contents);
+        self.earlier.push(change);
+    }
+
+    /// Takes back the last growth. Nothing may have been edited since.
+    pub fn take_growth_back(&mut self) {
+        if let Some(StepChange::Canvas { back, before }) = self.earlier.pop() {
+            drop(self.take_canvas_back(back, before));
+        }
+        // The record before the growth goes on.
+        if let Some(StepChange::Bricks(record)) =
+            self.earlier.pop_if(|change| matches!(change, StepChange::Bricks(_)))
+        {
+            self.resume(record);
+        }
+    }
+
+    /// Returns the distance from grid coordinates to signed ones.
+    pub fn origin(&self) -> IVec3 {
+        self.contents.frame.origin
     }
 }
