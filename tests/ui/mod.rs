@@ -2,6 +2,7 @@
 
 mod bench;
 mod board;
+mod canvas;
 mod changed_on_disk;
 mod draw;
 mod draw_presses;

@@ -30,7 +30,9 @@ use self::band::{Band, cells_at};
 use super::NormalField;
 use super::normal_field::PackedDepth;
 use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, BrickKind};
+use crate::sculpture::grid::{LEAF_EDGE_LOG2, unflatten, uniform_in};
 use crate::sculpture::index_set::IndexSet;
+use crate::sculpture::region::BrickBox;
 use crate::sculpture::{Grid, GridError};
 use crate::view::PixelRays;
 
@@ -67,12 +69,20 @@ pub struct LevelSet {
 }
 
 impl LevelSet {
-    /// Returns the levels of a grid of this size, within `budget_bytes`; all levels are outstanding.
+    /// Returns the cells of a grid and a place for its levels, all of which are outstanding, within `budget_bytes`.
     pub fn new(grid: &Grid, budget_bytes: u64) -> Result<LevelSet, GridError> {
         let count = grid.brick_count();
-        let cells = grid.of_cells(budget_bytes)?;
+        let mut cells = grid.of_cells(budget_bytes)?;
+        let voxels_of = |cells: BrickBox| BrickBox {
+            min: cells.min.saturating_sub(UVec3::ONE),
+            max: cells.max.min(grid.brick_dims()),
+        };
+        cells.fill_cubes(
+            |cells| uniform_in(grid, voxels_of(cells)),
+            |b| cells_at(grid, b.as_ivec3()),
+        );
         let mut stale = IndexSet::new(count);
-        (0..count as u32).for_each(|index| stale.insert(index));
+        bricks_near_surface(grid).into_iter().for_each(|index| stale.insert(index));
         Ok(LevelSet {
             table: vec![NO_PAGE; count],
             pages: Vec::new(),
@@ -289,6 +299,33 @@ impl LevelSet {
         let pages = (self.pages.len() * size_of::<PageLevels>() + self.table.len() * 4) as u64;
         pages + self.cells.heap_bytes()
     }
+}
+
+/// Returns the bricks that may have voxels near the surface, as linear indices: all but those amid others of their kind.
+fn bricks_near_surface(grid: &Grid) -> Vec<u32> {
+    let dims = grid.brick_dims();
+    let is_far = |bricks: BrickBox| {
+        let min = bricks.min.saturating_sub(UVec3::ONE);
+        let max = (bricks.max + 1).min(dims);
+        // At the border of the grid, full bricks have a surface.
+        let is_inside = min.cmpgt(UVec3::ZERO).all() && max.cmplt(dims).all();
+        uniform_in(grid, BrickBox { min, max }).is_some_and(|exist| !exist || is_inside)
+    };
+    let leaf_dims = (dims + 7) >> LEAF_EDGE_LOG2;
+    let in_leaf = |at: u32| {
+        let low = unflatten(at, leaf_dims) << LEAF_EDGE_LOG2;
+        let high = (low + 8).min(dims);
+        let size = match is_far(BrickBox { min: low, max: high }) {
+            true => UVec3::ZERO,
+            false => high - low,
+        };
+        (0..size.element_product())
+            .map(move |local| low + unflatten(local, size))
+            .filter(|b| !is_far(BrickBox { min: *b, max: b + 1 }))
+            .map(|b| grid.brick_index(b) as u32)
+            .collect::<Vec<u32>>()
+    };
+    (0..leaf_dims.element_product()).into_par_iter().flat_map_iter(in_leaf).collect()
 }
 
 /// Returns the level beyond the grid's border at a voxel with this level.

@@ -373,3 +373,33 @@ fn the_longest_grids_have_a_smooth_surface_and_those_with_too_many_cells_for_ray
     let most = Grid::new(UVec3::new(4096, 1024, 1023), Vec3::ONE, 1 << 30).unwrap();
     assert!(LevelSet::new(&most, 1 << 30).is_ok());
 }
+
+#[test]
+fn bricks_amid_others_of_their_kind_have_no_levels() {
+    let dims = UVec3::new(150, 133, 90);
+    let ball = |v: UVec3, radius: f32| (v.as_vec3() - 70.5).length() < radius;
+    let grids = [
+        grid_of(dims, |_| true),
+        grid_of(dims, |_| false),
+        grid_of(dims, |v| !ball(v, 30.0)),
+        grid_of(dims, |v| ball(v, 60.0)),
+        grid_of(dims, |v| v == UVec3::new(64, 63, 16) || v.cmpge(dims - 1).all()),
+        // Up to one layer of voxels before the border, and to one of bricks.
+        grid_of(dims, |v| v.x > 0 && v.y < 128 && v.z < 89),
+    ];
+    for (at, grid) in grids.iter().enumerate() {
+        let normals = NormalField::of(grid);
+        let near = bricks_near_surface(grid);
+        let with_levels =
+            (0..grid.brick_count() as u32).filter(|&b| Band::of(grid, &normals, b).is_some());
+        for index in with_levels {
+            assert!(near.contains(&index), "grid {at}: {}", grid.brick_coords(index as usize));
+        }
+        let levels = LevelSet::new(grid, 1 << 30).unwrap();
+        let mut cells = levels.cells().emptied();
+        cells.fill_bricks(|b| cells_at(grid, b.as_ivec3()));
+        assert_eq!(levels.cells(), &cells, "grid {at}");
+    }
+    assert!(bricks_near_surface(&grids[1]).is_empty());
+    assert!(bricks_near_surface(&grids[3]).len() < grids[3].brick_count() / 2);
+}
