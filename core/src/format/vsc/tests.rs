@@ -97,8 +97,8 @@ fn limits_are_asked_before_memory_is_taken() {
     assert_eq!(over.budget, MemoryBudget::Colours);
     assert!(matches!(read(b"PVM3\n", &limits, &()), Err(FormatError::NotVsc(_))));
     let mut newer = file.clone();
-    newer[8] = 4;
-    assert!(matches!(read(&newer, &Limits::default(), &()), Err(FormatError::VscVersion(4))));
+    newer[8] = 5;
+    assert!(matches!(read(&newer, &Limits::default(), &()), Err(FormatError::VscVersion(5))));
     // A file with a mask must contain it.
     newer[8] = 2;
     assert!(matches!(read(&newer, &Limits::default(), &()), Err(FormatError::Damaged(_))));
