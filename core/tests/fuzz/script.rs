@@ -6,7 +6,7 @@ use super::{fuzz, small};
 use sculpture_core::document::Limits;
 use sculpture_core::session::Session;
 
-const LINES: [&str; 58] = [
+const LINES: [&str; 59] = [
     "new dims=24,20,12 size=1,1,1 colour=24 base=#c8beaa fill=solid",
     "open \"/nonexistent/a.raw\" threshold=2..9 raw=8x6x5:u8:0 region=1,1,1..3,3,3 cubic=2mm mesh_size=9",
     "embed \"a\" data=iVZTQw0KGgoBAAAA",
@@ -64,6 +64,7 @@ const LINES: [&str; 58] = [
     "thicken to=2",
     "drain diameter=3 toward=nearest",
     "undo 2",
+    "resample half",
     "place turn=10,0,0 move=1,2,3 scale=2",
 ];
 
