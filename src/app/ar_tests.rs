@@ -149,9 +149,9 @@ fn press(workspace: &mut Workspace) -> Vec2 {
     let picker = workspace.picker();
     let sight = picker.sight();
     let mut map = IndexMap::new(sight.rays);
-    let grid = workspace.session().document().grid();
-    raycast::sample(grid, &sight.rays, &mut map);
-    let at = sight.pixel_of(grid.dims().as_vec3() * 0.5).unwrap();
+    let document = workspace.session().document();
+    raycast::sample(document.grid(), &sight.rays, &mut map);
+    let at = sight.pixel_of(document.contents().frame.centre_vx()).unwrap();
     let Workspace { viewpoint, editor, .. } = workspace;
     viewpoint.set_pick_map(Arc::new(map), editor.document());
     workspace.answer_event(&ActionEvent::Begin { action: Action::Sculpt, at: Some(at) });

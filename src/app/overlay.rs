@@ -271,7 +271,7 @@ mod tests {
     fn parts_of_grid_and_line_behind_the_sculpture_are_not_drawn() {
         let document = document();
         let state = UiState::new(&Config::default().ui_options());
-        let tool = ToolState::new(document.grid().dims());
+        let tool = ToolState::new(&document.contents().frame);
         let scene = OverlayScene {
             tool: &tool,
             document: &document,
@@ -307,7 +307,7 @@ mod tests {
     fn lines_that_are_switched_off_are_not_shown() {
         let mut document = document();
         let mut state = UiState::new(&Config::default().ui_options());
-        let mut tool = ToolState::new(document.grid().dims());
+        let mut tool = ToolState::new(&document.contents().frame);
         let count = |state: &UiState, tool: &ToolState, document: &Document| {
             let scene = OverlayScene {
                 tool,
@@ -349,7 +349,7 @@ mod tests {
         document.apply(&Command::Symmetry(symmetry)).unwrap();
         let mut state = UiState::new(&Config::default().ui_options());
         state.view.bounds = false;
-        let mut tool = ToolState::new(document.grid().dims());
+        let mut tool = ToolState::new(&document.contents().frame);
         tool.kind = ToolKind::Draw(DrawKind::Box);
         let line = [Vec3::ONE, Vec3::new(2.0, 1.0, 1.0)];
         let scene = OverlayScene {

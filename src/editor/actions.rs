@@ -70,7 +70,8 @@ impl Editor {
                 self.mark(marker::first(self.document().grid()));
             }
             Action::ResetTool => {
-                self.tool.reset_pose(self.document().grid().dims());
+                let frame = self.document().contents().frame;
+                self.tool.reset_pose(&frame);
                 self.leave_ground();
             }
             Action::AlignTool => self.tool.set_turn_deg(Vec3::ZERO),

@@ -89,7 +89,7 @@ pub struct Editor {
 impl Editor {
     pub fn new(session: Session) -> Editor {
         Editor {
-            tool: ToolState::new(session.document().grid().dims()),
+            tool: ToolState::new(&session.document().contents().frame),
             commands: CommandRunner::new(session),
             hand: HandTool::default(),
             stroke: None,
@@ -219,7 +219,7 @@ impl Editor {
         self.stroking().follow_shift();
         if self.commands.take_replaced() {
             self.draw = DrawTool::default();
-            self.tool.reset_pose(self.commands.document().grid().dims());
+            self.tool.reset_pose(&self.commands.document().contents().frame);
             self.anchor.forget(&self.tool);
         }
     }

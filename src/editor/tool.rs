@@ -4,7 +4,7 @@
 
 use std::path::PathBuf;
 
-use glam::{DMat3, EulerRot, IVec3, Quat, UVec3, Vec3};
+use glam::{DMat3, EulerRot, IVec3, Quat, Vec3};
 
 use super::brushes::Brushes;
 use super::draw::options::DrawOptions;
@@ -15,6 +15,7 @@ use super::wand::Wand;
 use crate::command::Command;
 use crate::input::{DrawKind, ToolMode};
 use crate::sculpture::Rgb;
+use crate::sculpture::canvas_frame::CanvasFrame;
 use crate::sculpture::orientation::Orientation;
 use crate::tools::brush::BrushId;
 use crate::tools::brush::dab::{BrushImage, Dab, DabPlace};
@@ -148,7 +149,7 @@ pub enum ToolEdit {
 
 impl ToolState {
     /// Returns a cutting ball in the middle of a grid of `dims` voxels.
-    pub fn new(dims: UVec3) -> ToolState {
+    pub fn new(frame: &CanvasFrame) -> ToolState {
         let mut tool = ToolState {
             kind: ToolKind::Solid,
             solid: Solid::Ellipsoid,
@@ -177,7 +178,7 @@ impl ToolState {
             paste_orientation: Orientation::UPRIGHT,
             array: ArrayOptions { count: 3, step: IVec3::new(16, 0, 0) },
         };
-        tool.reset_pose(dims);
+        tool.reset_pose(frame);
         tool
     }
 
@@ -218,10 +219,11 @@ impl ToolState {
         }
     }
 
-    /// Moves the tool back to the middle, upright, at a size that suits a grid of `dims` voxels.
-    pub fn reset_pose(&mut self, dims: UVec3) {
-        self.centre_vx = dims.as_vec3() * 0.5;
-        self.half = Vec3::splat((dims.min_element() as f32 * FIRST_HALF).max(*HALF_RANGE.start()));
+    /// Moves the tool back to the middle, upright, at a size that suits the box with which a sculpture began.
+    pub fn reset_pose(&mut self, frame: &CanvasFrame) {
+        self.centre_vx = frame.centre_vx();
+        let half = frame.home.min_element() as f32 * FIRST_HALF;
+        self.half = Vec3::splat(half.max(*HALF_RANGE.start()));
         self.uniform = true;
         self.set_turn_deg(Vec3::ZERO);
     }

@@ -1,10 +1,12 @@
 //! Tests of the state of the tool.
 
+use glam::UVec3;
+
 use super::*;
 
 #[test]
 fn sizes_stay_in_range_and_in_proportion() {
-    let mut tool = ToolState::new(UVec3::splat(100));
+    let mut tool = ToolState::new(&CanvasFrame::of(UVec3::splat(100)));
     assert_eq!((tool.half(), tool.centre_vx), (Vec3::splat(6.0), Vec3::splat(50.0)));
     tool.uniform = false;
     tool.set_half(1, 12.0);
@@ -22,7 +24,7 @@ fn sizes_stay_in_range_and_in_proportion() {
 
 #[test]
 fn degrees_and_rotation_agree() {
-    let mut tool = ToolState::new(UVec3::splat(64));
+    let mut tool = ToolState::new(&CanvasFrame::of(UVec3::splat(64)));
     tool.set_turn_deg(Vec3::new(20.0, -30.0, 40.0));
     let rotation = tool.rotation();
     tool.turn_by(Quat::IDENTITY);
@@ -35,7 +37,7 @@ fn degrees_and_rotation_agree() {
 
 #[test]
 fn a_tool_stands_on_the_surface_and_leans_with_it() {
-    let mut tool = ToolState::new(UVec3::splat(100));
+    let mut tool = ToolState::new(&CanvasFrame::of(UVec3::splat(100)));
     tool.solid = Solid::Pyramid;
     tool.uniform = false;
     tool.set_half(0, 3.0);
@@ -59,7 +61,7 @@ fn a_tool_stands_on_the_surface_and_leans_with_it() {
 
 #[test]
 fn stretching_keeps_the_other_side() {
-    let mut tool = ToolState::new(UVec3::splat(100));
+    let mut tool = ToolState::new(&CanvasFrame::of(UVec3::splat(100)));
     tool.stretch(Vec3::NEG_X, 1.0);
     assert_eq!((tool.half(), tool.centre_vx.x), (Vec3::new(6.5, 6.0, 6.0), 49.5));
     tool.stretch(Vec3::Z, -100.0);
@@ -68,7 +70,7 @@ fn stretching_keeps_the_other_side() {
 
 #[test]
 fn the_latest_colours_come_first_and_once() {
-    let mut tool = ToolState::new(UVec3::splat(10));
+    let mut tool = ToolState::new(&CanvasFrame::of(UVec3::splat(10)));
     let first = tool.colour;
     tool.used_colour();
     (0..30).for_each(|i| {
@@ -85,7 +87,7 @@ fn the_latest_colours_come_first_and_once() {
 
 #[test]
 fn a_snapping_tool_sits_on_voxel_centres() {
-    let mut tool = ToolState::new(UVec3::splat(64));
+    let mut tool = ToolState::new(&CanvasFrame::of(UVec3::splat(64)));
     tool.snap = true;
     tool.move_to(Vec3::new(1.2, 3.9, -0.1));
     assert_eq!(tool.centre_vx, Vec3::new(1.5, 3.5, -0.5));

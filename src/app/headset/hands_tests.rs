@@ -9,6 +9,7 @@ use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
 
 use crate::app::Workspace;
+use crate::command::{CanvasChange, Command};
 use crate::config::Config;
 use crate::editor::pen_use::{PenTool, PenUse};
 use crate::editor::sizes::SizeUnit;
@@ -418,6 +419,8 @@ fn a_hand_that_changes_nothing_is_told_why() {
         (ToolMode::Subtract, "Nothing was cut: there is nothing where the tool was"),
     ] {
         let mut person = Person::new(DIMS);
+        let stays = Command::Canvas(CanvasChange::Auto(false));
+        person.workspace.session_mut().execute(&stays, &()).unwrap();
         person.workspace.editor.tool.set_mode(mode);
         // This choice concerns the pointer, not a hand.
         person.workspace.editor.tool.stand = true;

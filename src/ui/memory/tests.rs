@@ -6,13 +6,17 @@ use proptest::prelude::*;
 use super::*;
 use crate::config::Config;
 use crate::input::Side;
+use crate::sculpture::canvas_frame::CanvasFrame;
 use crate::tools::brush::footprint::Outline;
 use crate::tools::brush::keys::{OUTLINE, RADIUS, REACH};
 use crate::tools::brush::options::BrushOptions;
 use crate::ui::references::Reference;
 
 fn state() -> (UiState, ToolState) {
-    (UiState::new(&Config::default().ui_options()), ToolState::new(UVec3::splat(64)))
+    (
+        UiState::new(&Config::default().ui_options()),
+        ToolState::new(&CanvasFrame::of(UVec3::splat(64))),
+    )
 }
 
 fn changed() -> (UiState, ToolState) {
