@@ -16,9 +16,10 @@ use virtual_sculpture::surface::{IndexMap, raycast};
 
 pub type Bench = Harness<'static, Workspace>;
 
+/// The settings with a block of this edge, in a box that ends there: `canvas` tests what grows.
 pub fn config(edge: u32) -> Config {
     let mut config = Config::default();
-    config.new.dims = [edge; 3];
+    (config.new.dims, config.new.grow) = ([edge; 3], false);
     config
 }
 

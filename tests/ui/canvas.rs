@@ -18,10 +18,10 @@ const ROOM: u32 = 64;
 
 /// A stone in a box that grows, and the same stone in one with room, seen alike: towards the low sides of all axes.
 fn growing_and_roomy() -> [Bench; 2] {
-    let mut roomy = config(EDGE);
-    (roomy.new.room, roomy.new.grow) = (ROOM, false);
+    let [mut growing, mut roomy] = [config(EDGE), config(EDGE)];
+    (growing.new.grow, roomy.new.room) = (true, ROOM);
     let [mut growing, mut roomy] =
-        [config(EDGE), roomy].map(|config| bench_of(&config, vec2(1280.0, 800.0)));
+        [growing, roomy].map(|config| bench_of(&config, vec2(1280.0, 800.0)));
     let q = Quat::from_euler(glam::EulerRot::YXZ, 2.6, -0.5, 0.2);
     for harness in [&mut growing, &mut roomy] {
         rest(harness);
@@ -107,8 +107,10 @@ fn a_stroke_goes_on_where_it_was_while_the_box_grows_under_it() {
             let [differing, outside] = difference(&growing, &roomy);
             let name = format!("{kind:?}, {looks}: {differing} of {outside} differ");
             assert!(has_grown && outside > 20, "{name}");
-            // Coordinates with another origin are rounded elsewhere.
-            assert!(differing * 50 <= outside, "{name}");
+            // Coordinates with another origin are rounded elsewhere, and a brush that works in the picture waits for one
+            // of the larger box.
+            let most = if looks { outside / 50 } else { outside / 10 };
+            assert!(differing <= most, "{name}");
             assert_eq!(undo_count(&growing), 1, "{name}");
             assert_eq!(growing.state().viewpoint.turntable, roomy.state().viewpoint.turntable);
             growing.state_mut().act(Action::Undo);
@@ -146,8 +148,7 @@ fn a_stroke_that_is_cancelled_leaves_the_former_box_and_the_tool_on_it() {
 
 #[test]
 fn the_window_of_the_canvas_grows_crops_and_resamples() {
-    let mut harness = bench_of(&config(EDGE), vec2(1280.0, 800.0));
-    rest(&mut harness);
+    let [mut harness, _] = growing_and_roomy();
     let camera = harness.state().viewpoint.turntable;
     harness.state_mut().act(Action::Canvas);
     rest(&mut harness);
