@@ -98,7 +98,13 @@ fn a_stroke_goes_on_where_it_was_while_the_box_grows_under_it() {
                 // Across an edge, so that more than one side moves, and out over the silhouette.
                 let corner = |v: [f32; 3]| Vec3::from(v) * EDGE as f32;
                 let from = screen_of(harness, corner([0.0, 0.3, 0.4]));
-                let to = screen_of(harness, corner([0.6, 0.4, 0.0]));
+                let to = match kind {
+                    // It pulls the clay out.
+                    ToolKind::Brush(BrushId::Grab) => {
+                        from.lerp(screen_of(harness, corner([0.5; 3])), -2.0)
+                    }
+                    _ => screen_of(harness, corner([0.6, 0.4, 0.0])),
+                };
                 let path: Vec<Pos2> = (0..=24).map(|i| from.lerp(to, i as f32 / 24.0)).collect();
                 drag(harness, &path, looks);
             }
