@@ -159,8 +159,11 @@ fn the_window_of_the_canvas_grows_crops_and_resamples() {
     harness.state_mut().act(Action::Canvas);
     rest(&mut harness);
     assert!(has(&harness, "32 × 32 × 32 voxels, from 0, 0, 0"));
+    assert!(has(&harness, "Tool 16 16 16"));
     click(&mut harness, "Grow");
     assert!(has(&harness, "160 × 160 × 160 voxels, from -64, -64, -64"));
+    assert_eq!(harness.state().editor.tool.centre_vx, Vec3::splat(80.0));
+    assert!(has(&harness, "Tool 16 16 16"), "coordinates stay what they are");
     assert_eq!(harness.state().viewpoint.turntable, camera, "the view stays");
     click(&mut harness, "Crop to content");
     assert!(has(&harness, "32 × 32 × 32 voxels, from 0, 0, 0"));

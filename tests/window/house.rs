@@ -102,8 +102,11 @@ fn a_house_is_built_with_mouse_and_keys() {
             "paintbrush"
         ]
     );
-    let grid = document.grid();
-    let top = |x: i32, z: i32| (0..96).rev().find(|y| grid.get(IVec3::new(x, *y, z)));
+    // The box has grown with the ground, which is wider.
+    assert!(document.grid().dims().x > 96);
+    let (grid, origin) = (document.grid(), document.origin());
+    let exists = |x, y, z| grid.get(IVec3::new(x, y, z) - origin);
+    let top = |x: i32, z: i32| (-96..192).rev().find(|y| exists(x, *y, z));
     let (ridge, eaves, ground) = (top(48, 48).unwrap(), top(30, 48).unwrap(), top(20, 75));
     assert!(ridge > eaves + 10, "the roof rises: {ridge} {eaves}");
     assert!(ground.unwrap() < 50, "the ground is low");

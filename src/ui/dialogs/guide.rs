@@ -60,7 +60,7 @@ const STEPS: [GuideStep; 7] = [
         actions: &[Action::Marker, Action::ClearMarker],
         is_done: |document, _| {
             let grid = document.grid();
-            let all = grid.dims().as_u64vec3().element_product();
+            let all = document.contents().frame.home.as_u64vec3().element_product();
             (1..=all * 7 / 10).contains(&grid.opaque_count())
         },
         marker: Some(upper_half),
@@ -142,14 +142,17 @@ const STEPS: [GuideStep; 7] = [
     },
 ];
 
+/// Returns the upper half of the box with which the sculpture began, in grid coordinates.
 fn upper_half(document: &Document) -> VoxelBox {
-    let dims = document.grid().dims().as_ivec3();
-    VoxelBox { min: IVec3::new(0, dims.y / 2, 0), max: dims }
+    let home = document.contents().frame.home.as_ivec3();
+    let upper = VoxelBox { min: IVec3::new(0, home.y / 2, 0), max: home };
+    upper.shifted(-document.origin())
 }
 
 fn lower_half(document: &Document) -> VoxelBox {
-    let dims = document.grid().dims().as_ivec3();
-    VoxelBox { min: IVec3::ZERO, max: IVec3::new(dims.x, dims.y / 2, dims.z) }
+    let home = document.contents().frame.home.as_ivec3();
+    let lower = VoxelBox { min: IVec3::ZERO, max: IVec3::new(home.x, home.y / 2, home.z) };
+    lower.shifted(-document.origin())
 }
 
 /// Returns whether the history has a step with each of these labels since it had the length `since`.
@@ -308,7 +311,7 @@ fn wording(context: &UiContext, at: usize) -> Vec<RichText> {
     let mut texts =
         vec![RichText::new(format!("{}. {}", at + 1, step.title)).strong(), RichText::new(text)];
     if let Some(marker) = step.marker {
-        let marker = marker(context.document);
+        let marker = marker(context.document).shifted(context.document.origin());
         let (from, size) = (marker.min, marker.size());
         let numbers = format!(
             "In numbers: from {}, {}, {}; size {}, {}, {}.",

@@ -6,7 +6,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use egui::{Color32, DragValue, Grid, RichText, ScrollArea, Sense, Ui, Window, pos2, vec2};
-use glam::Vec3;
+use glam::{IVec3, Vec3};
 
 use crate::command::Command;
 use crate::document::Document;
@@ -280,7 +280,7 @@ fn findings(
     context: &UiContext,
     requests: &mut Vec<UiRequest>,
 ) {
-    let is_current = window.is_current(context.document);
+    let (is_current, origin) = (window.is_current(context.document), context.document.origin());
     let PrintCheck { found: Some(found), chosen, .. } = window else { return };
     ui.separator();
     if !is_current {
@@ -305,7 +305,7 @@ fn findings(
     list.auto_shrink([false, true]).show(ui, |ui| {
         for finding in &checked.findings {
             ui.push_id(finding.kind, |ui| {
-                of_kind(ui, finding, checked, is_current, chosen, requests);
+                of_kind(ui, finding, checked, (is_current, origin), chosen, requests);
             });
         }
     });
@@ -315,7 +315,7 @@ fn of_kind(
     ui: &mut Ui,
     finding: &Finding,
     checked: &Checked,
-    is_current: bool,
+    (is_current, origin): (bool, IVec3),
     chosen: &mut Option<VoxelBox>,
     requests: &mut Vec<UiRequest>,
 ) {
@@ -348,7 +348,7 @@ fn of_kind(
         let size = sizes((bounds.max - bounds.min).as_vec3() * checked.voxel_mm);
         let is_chosen = *chosen == Some(*bounds);
         let label = ui.selectable_label(is_chosen, format!("{size}, {voxels} voxels"));
-        let at = bounds.min;
+        let at = bounds.min + origin;
         let label = label.on_hover_text(format!(
             "At voxel {}, {}, {}; a click puts the marker around it",
             at.x, at.y, at.z

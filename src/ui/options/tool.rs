@@ -50,7 +50,7 @@ pub fn show(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mu
                 ui.label(format!("{} — {mode}", tool.solid.spec().label));
                 ui.weak("with its centre at");
             });
-            position(ui, tool, requests);
+            position(ui, context, requests);
             size(ui, tool, requests);
             rotation(ui, context, requests);
             colour(ui, context, requests);
@@ -162,10 +162,11 @@ fn picture(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut
     spot::mark(&row.response, Spot::Stencil);
 }
 
-/// Shows the position of a solid as numbers.
-fn position(ui: &mut Ui, tool: &ToolState, requests: &mut Vec<UiRequest>) {
+/// Shows the position of a solid as numbers, in signed coordinates.
+fn position(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     ui.horizontal(|ui| {
-        let mut centre_vx = tool.centre_vx;
+        let origin = context.document.origin().as_vec3();
+        let mut centre_vx = context.tool.centre_vx + origin;
         let mut changed = false;
         for (axis, name) in AXES.iter().enumerate() {
             let value = DragValue::new(&mut centre_vx[axis])
@@ -179,7 +180,7 @@ fn position(ui: &mut Ui, tool: &ToolState, requests: &mut Vec<UiRequest>) {
             changed |= ui.add(value).on_hover_text(hint).changed();
         }
         if changed {
-            requests.push(UiRequest::Tool(ToolEdit::Place(centre_vx)));
+            requests.push(UiRequest::Tool(ToolEdit::Place(centre_vx - origin)));
         }
     });
 }
