@@ -22,8 +22,8 @@ pub(super) struct Strokes {
     label: Option<String>,
     /// The grid before the first spray of the open stroke that works on that surface.
     surface: Option<Box<Grid>>,
-    /// The tool uses so far in the open stroke, with signed coordinates; empty while none is open. A use that replaces the earlier ones of its
-    /// stroke replaces them here, too. Holds at most one more than [`MAX_REPEATED`].
+    /// The tool uses so far in the open stroke, with signed coordinates; empty while none is open. A use that replaces the
+    /// earlier ones of its stroke replaces them here, too. Holds at most one more than [`MAX_REPEATED`].
     uses: Vec<Command>,
     /// The tool uses that an array would repeat: those of the last ended stroke in which a tool was used, the one of a
     /// later use outside a stroke, or those of a later array with the uses that it repeated. Those of the open stroke

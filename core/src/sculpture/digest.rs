@@ -2,8 +2,9 @@
 //! edits produced them.
 //!
 //! SHA-256 (NIST FIPS 180-4), over size, colour depth and base colour, then over the hashes of runs of 4096 bricks, so
-//! that all threads share the work. Of runs that are uniform, only one of each kind is hashed. A brick contributes its eight words, and its page of colours if it has one: two
-//! sculptures that look alike but are painted differently have different hashes.
+//! that all threads share the work. Of runs that are uniform, only one of each kind is hashed. A brick contributes its
+//! eight words, and its page of colours if it has one: two sculptures that look alike but are painted differently have
+//! different hashes.
 
 use std::fmt;
 use std::io::{ErrorKind, Read};

@@ -1,5 +1,5 @@
-//! The long part of commands: reading, writing, creating, rotating, resampling and repairing a sculpture. It needs no session, so
-//! it can run on another thread while a window shows the present sculpture.
+//! The long part of commands: reading, writing, creating, rotating, resampling and repairing a sculpture. It needs no
+//! session, so it can run on another thread while a window shows the present sculpture.
 //!
 //! [`Session::prepare`](super::Session::prepare) returns a [`Work`], [`Work::run`] runs it, and
 //! [`Session::complete`](super::Session::complete) applies the result.

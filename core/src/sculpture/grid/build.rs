@@ -1,7 +1,7 @@
 //! Builds the whole tree of a grid from its bricks, on all threads: for loaders and generators.
 //!
-//! Takes functions that give bricks by coordinates or by runs in linear order, and cubes that are uniform; never holds more than the runs in work
-//! beside the finished leaves.
+//! Takes functions that give bricks by coordinates or by runs in linear order, and cubes that are uniform; never holds
+//! more than the runs in work beside the finished leaves.
 
 use std::sync::Arc;
 
