@@ -60,7 +60,7 @@ fn tint_region(
     tint: &Tint,
 ) -> Result<EditStats, CommandError> {
     let (voxel_size, base) = (target.grid().voxel_size(), target.material().base());
-    let tinter = Tinter::new(tint, voxel_size, base).from_origin(target.origin());
+    let tinter = Tinter::new(tint, voxel_size, base).shifted_by(target.origin());
     let painted = PaintedWith::AnyColours { keeps_base: tinter.keeps_base() };
     target.check_colour_memory(|is_close| target.colour_growth(region, painted, is_close))?;
     Ok(target.paint(region, |v, now| tinter.colour(v, now)))

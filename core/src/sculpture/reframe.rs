@@ -111,7 +111,7 @@ mod tests {
         });
         let mut material = Material::new(depth, Rgb::STONE, dims);
         let mut random = Random(seed);
-        let all = random.next_u64() % 2 == 0;
+        let all = random.next_u64().is_multiple_of(2);
         for at in 0..grid.brick_count() {
             let b = grid.brick_coords(at);
             match random.next_u64() % 8 {
@@ -123,7 +123,7 @@ mod tests {
         }
         let mut mask = grid.emptied();
         mask.fill_bricks(|b| if b.x == b.y { Brick::FULL } else { Brick::EMPTY });
-        let mask = (seed % 3 > 0).then(|| Box::new(mask));
+        let mask = (!seed.is_multiple_of(3)).then(|| Box::new(mask));
         Contents { mask, ..Contents::new(grid, material) }
     }
 

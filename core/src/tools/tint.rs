@@ -162,7 +162,7 @@ impl Tinter {
     }
 
     /// Returns the same for a grid whose first voxel has these signed coordinates.
-    pub(crate) fn from_origin(self, origin: IVec3) -> Tinter {
+    pub(crate) fn shifted_by(self, origin: IVec3) -> Tinter {
         Tinter { origin: origin.as_vec3(), ..self }
     }
 
