@@ -13,6 +13,16 @@ pub struct Limits {
     pub history_disk_bytes: u64,
 }
 
+impl Limits {
+    /// No limits: for what has been in memory before.
+    pub(crate) const NONE: Limits = Limits {
+        grid_bytes: u64::MAX,
+        colour_bytes: u64::MAX,
+        history_bytes: usize::MAX,
+        history_disk_bytes: u64::MAX,
+    };
+}
+
 impl Default for Limits {
     fn default() -> Self {
         Limits {

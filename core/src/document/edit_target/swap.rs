@@ -21,14 +21,6 @@ use crate::sculpture::selection::Selection;
 use crate::sculpture::stroke::StrokeRecorder;
 use crate::sculpture::{Grid, GridError, Limits};
 
-/// For a box that the sculpture has had before.
-const ANY_SIZE: Limits = Limits {
-    grid_bytes: u64::MAX,
-    colour_bytes: u64::MAX,
-    history_bytes: usize::MAX,
-    history_disk_bytes: u64::MAX,
-};
-
 /// The edits that a stroke has recorded, taken back for as long as the box grows.
 #[derive(Debug)]
 pub(in crate::document) struct SetAside(BrickRecord);
@@ -203,7 +195,7 @@ impl EditTarget {
                 self.swap_canvas(*before);
                 Ok(StepChange::Canvas { back: present, before: None })
             }
-            None => match reframed(&self.contents, &back, &ANY_SIZE) {
+            None => match reframed(&self.contents, &back, &Limits::NONE) {
                 Ok(contents) => Ok(self.swap_canvas(contents)),
                 Err(error) => {
                     Err(Box::new((StepChange::Canvas { back, before: None }, error.into())))

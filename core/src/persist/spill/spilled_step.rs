@@ -9,14 +9,6 @@ use crate::format::history::{ContentsShape, read_step_from, write_step};
 use crate::sculpture::Limits;
 use crate::sculpture::history::{Contents, Step, StepChange, StoredStep};
 
-/// Contents of any size: the data has been in memory before.
-const ANY_SIZE: Limits = Limits {
-    grid_bytes: u64::MAX,
-    colour_bytes: u64::MAX,
-    history_bytes: usize::MAX,
-    history_disk_bytes: u64::MAX,
-};
-
 /// A step in the store.
 #[derive(Debug)]
 pub struct SpilledStep {
@@ -94,7 +86,7 @@ impl StoredStep for SpilledStep {
                 // Both in memory would be too much.
                 drop(self.shared.make_room(self.whole_bytes));
                 let mut packed = PartReader::new(&self.shared, parts);
-                let step = read_step_from(&mut packed, ContentsShape::of(contents), &ANY_SIZE);
+                let step = read_step_from(&mut packed, ContentsShape::of(contents), &Limits::NONE);
                 step.map(|step| step.change).map_err(|error| error.to_string())
             }
             Held::Taken => Err("it is not there".to_string()),
