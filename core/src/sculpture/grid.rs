@@ -328,6 +328,21 @@ impl Grid {
         Ok(values)
     }
 
+    /// Sets all bricks: the cubes that `whole` says to be full (`true`) or empty, large ones before small, and the leaves
+    /// (coordinates of their lowest bricks divided by 8) that `f` writes in runs of `run`, on all threads. `f` gets the
+    /// number of a run and its bricks, one leaf after the other. Returns the values of `f` in order, or one of its errors.
+    pub(crate) fn try_fill_leaves<T: Send, E: Send>(
+        &mut self,
+        whole: impl Fn(BrickBox) -> Option<bool> + Sync,
+        (leaves, run): (&[UVec3], usize),
+        f: impl Fn(usize, &mut BrickRun) -> Result<T, E> + Sync,
+    ) -> Result<Vec<T>, E> {
+        let (root, values) =
+            build::tree_of_leaf_runs(self.extent, self.levels, &whole, (leaves, run), f)?;
+        self.root = root;
+        Ok(values)
+    }
+
     /// Replaces the brick of a linear brick index. The bits must lie within [`Grid::valid_mask`].
     pub fn set_brick(&mut self, index: usize, brick: Brick) {
         self.put_brick(self.brick_coords(index), &brick);
