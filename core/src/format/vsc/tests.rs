@@ -250,7 +250,12 @@ fn a_large_sculpture_is_written_by_nodes_and_read_back_to_the_byte() {
 
 #[test]
 fn uniform_sculptures_take_next_to_nothing_whatever_their_size() {
-    for dims in [UVec3::splat(1025), UVec3::new(4096, 4095, 2000), UVec3::new(4096, 1, 4096)] {
+    for dims in [
+        UVec3::splat(1025),
+        UVec3::new(4096, 4095, 2000),
+        UVec3::new(8192, 1, 8192),
+        UVec3::splat(8192),
+    ] {
         for is_full in [false, true] {
             let mut grid = Grid::of_size(dims, Vec3::ONE).unwrap();
             if is_full {
