@@ -248,17 +248,7 @@ pub(crate) fn read_header(file: &[u8], limits: &Limits) -> Result<VscHeader, For
         u32::from_le_bytes(bytes.unwrap_or_default())
     };
     let version = number(8);
-    let (flags_bytes, flags) = match version {
-        VERSION => (0, 0),
-        VERSION_WITH_MASK => (0, FLAG_MASK),
-        VERSION_WITH_FLAGS => (FLAGS_BYTES, number(START_BYTES)),
-        VERSION_WITH_CANVAS => (FLAGS_BYTES + CANVAS_BYTES, number(START_BYTES)),
-        VERSION_WITH_NODES => (FLAGS_BYTES + CANVAS_BYTES + MAP_BYTES, number(START_BYTES)),
-        _ if file.len() < START_BYTES => {
-            return Err(FormatError::Damaged("it ends within its header"));
-        }
-        _ => return Err(FormatError::VscVersion(version)),
-    };
+    let (flags_bytes, flags) = flags_of(version, file.len(), number(START_BYTES))?;
     // Without the checksum.
     let head_bytes = START_BYTES + flags_bytes;
     let Some((head, rest)) = file.split_at_checked(head_bytes + 4) else {
@@ -267,19 +257,10 @@ pub(crate) fn read_header(file: &[u8], limits: &Limits) -> Result<VscHeader, For
     let dims = UVec3::new(number(12), number(16), number(20));
     let voxel_size = Vec3::from([24, 28, 32].map(|at| f32::from_bits(number(at))));
     Grid::check_size(dims, voxel_size)?;
-    let [bits, r, g, b] = number(36).to_le_bytes();
-    let depth = ColourDepth::from_bits(u32::from(bits));
-    let colour_depth = depth.ok_or(FormatError::Damaged("its bits of colour are unknown"))?;
+    let (colour_depth, base) = colours_of(number(36))?;
     let (chunk_bricks, count, text_bytes) = (number(40), number(44), number(48));
     let bricks = ((dims + (BRICK_EDGE_VX - 1)) / BRICK_EDGE_VX).as_u64vec3().element_product();
-    let is_fitting = match version {
-        VERSION_WITH_NODES => chunk_bricks == CHUNK_BRICKS,
-        _ => {
-            CHUNK_RANGE.contains(&chunk_bricks)
-                && u64::from(count) == bricks.div_ceil(u64::from(chunk_bricks))
-        }
-    };
-    if !is_fitting {
+    if !chunks_fit(version, bricks, chunk_bricks, count) {
         return Err(FormatError::Damaged("its chunks do not fit its size"));
     }
     if u64::from(text_bytes) > TEXTS_LIMIT {
@@ -299,10 +280,9 @@ pub(crate) fn read_header(file: &[u8], limits: &Limits) -> Result<VscHeader, For
     if flags & !(FLAG_MASK | FLAG_CUBES) != 0 {
         return Err(FormatError::Damaged("its flags are unknown"));
     }
+    let frame_numbers = || std::array::from_fn(|i| number(START_BYTES + 4 + 4 * i));
     let frame = match version {
-        VERSION_WITH_CANVAS.. => {
-            frame_of(std::array::from_fn(|i| number(START_BYTES + 4 + 4 * i)))?
-        }
+        VERSION_WITH_CANVAS.. => frame_of(frame_numbers())?,
         _ => CanvasFrame::of(dims),
     };
     let (table, rest) = tail.split_at(count as usize * ENTRY_BYTES);
@@ -311,11 +291,8 @@ pub(crate) fn read_header(file: &[u8], limits: &Limits) -> Result<VscHeader, For
         VERSION_WITH_NODES => Some(NodeMap::unpack(map, plain_map_bytes, dims, colour_depth)?),
         _ => None,
     };
-    let sizes: Vec<usize> = match &map {
-        None => {
-            let (bricks, chunk) = (bricks as usize, chunk_bricks as usize);
-            (0..bricks).step_by(chunk).map(|first| chunk.min(bricks - first)).collect()
-        }
+    let sizes = match &map {
+        None => sizes_of_chunks(bricks as usize, chunk_bricks as usize),
         Some(map) => map.chunk_sizes(),
     };
     if sizes.len() != count as usize {
@@ -327,7 +304,6 @@ pub(crate) fn read_header(file: &[u8], limits: &Limits) -> Result<VscHeader, For
     if packed > body.len() as u64 || (packed < body.len() as u64) != has_mask {
         return Err(FormatError::Damaged("it is shorter or longer than it says"));
     }
-    let base = Rgb([r, g, b]);
     check_colours(&entries, &Material::new(colour_depth, base, dims), limits)?;
     Ok(VscHeader {
         dims,
@@ -346,6 +322,43 @@ pub(crate) fn read_header(file: &[u8], limits: &Limits) -> Result<VscHeader, For
         frame,
         map,
     })
+}
+
+/// Returns the bytes between the start of a header and its checksum, in a file of `file_bytes`, and the flags, which are
+/// `stored` where the version has any.
+fn flags_of(version: u32, file_bytes: usize, stored: u32) -> Result<(usize, u32), FormatError> {
+    match version {
+        VERSION => Ok((0, 0)),
+        VERSION_WITH_MASK => Ok((0, FLAG_MASK)),
+        VERSION_WITH_FLAGS => Ok((FLAGS_BYTES, stored)),
+        VERSION_WITH_CANVAS => Ok((FLAGS_BYTES + CANVAS_BYTES, stored)),
+        VERSION_WITH_NODES => Ok((FLAGS_BYTES + CANVAS_BYTES + MAP_BYTES, stored)),
+        _ if file_bytes < START_BYTES => Err(FormatError::Damaged("it ends within its header")),
+        _ => Err(FormatError::VscVersion(version)),
+    }
+}
+
+/// Returns whether `count` chunks of `chunk_bricks` can be those of so many bricks.
+fn chunks_fit(version: u32, bricks: u64, chunk_bricks: u32, count: u32) -> bool {
+    match version {
+        VERSION_WITH_NODES => chunk_bricks == CHUNK_BRICKS,
+        _ => {
+            CHUNK_RANGE.contains(&chunk_bricks)
+                && u64::from(count) == bricks.div_ceil(u64::from(chunk_bricks))
+        }
+    }
+}
+
+/// Returns the depth and the base of the colours from their number.
+fn colours_of(number: u32) -> Result<(ColourDepth, Rgb), FormatError> {
+    let [bits, r, g, b] = number.to_le_bytes();
+    let depth = ColourDepth::from_bits(u32::from(bits));
+    Ok((depth.ok_or(FormatError::Damaged("its bits of colour are unknown"))?, Rgb([r, g, b])))
+}
+
+/// Returns the bricks of each chunk.
+fn sizes_of_chunks(bricks: usize, chunk: usize) -> Vec<usize> {
+    (0..bricks).step_by(chunk).map(|first| chunk.min(bricks - first)).collect()
 }
 
 /// Returns the frame of the numbers that follow the flags.

@@ -43,6 +43,9 @@ pub struct NodeMap {
 /// The class of a child, and its colour if it has one.
 type Class = (u8, Option<Page>);
 
+/// Gives the classes of the children of a node.
+type Classes<'a> = dyn FnMut(&[ColourCube]) -> Result<Vec<Class>, FormatError> + 'a;
+
 impl NodeMap {
     /// Returns the map of a sculpture, and its bytes in the file before they are packed.
     pub fn of(contents: &Contents) -> (NodeMap, Vec<u8>) {
@@ -73,11 +76,7 @@ impl NodeMap {
     }
 
     /// Adds a node, whose children `classes` gives, and the nodes in it.
-    fn add(
-        &mut self,
-        node: ColourCube,
-        classes: &mut dyn FnMut(&[ColourCube]) -> Result<Vec<Class>, FormatError>,
-    ) -> Result<(), FormatError> {
+    fn add(&mut self, node: ColourCube, classes: &mut Classes) -> Result<(), FormatError> {
         let children: Vec<ColourCube> = children(self.bricks, node).collect();
         let classes_here = classes(&children)?;
         let mut mixed = Vec::new();

@@ -306,8 +306,8 @@ impl BrickRun {
     fn of_leaves(extent: Extent, leaves: &[UVec3]) -> BrickRun {
         let bricks = |leaf: &UVec3| leaf_bricks(&extent, *leaf);
         let count = leaves.iter().map(|leaf| bricks(leaf).brick_count() as usize).sum();
-        let mut following = leaves.to_vec().into_iter();
-        let within = bricks(&following.next().unwrap_or_default());
+        let (first, rest) = leaves.split_first().unwrap_or((&UVec3::ZERO, &[]));
+        let (within, following) = (bricks(first), Vec::from(rest).into_iter());
         BrickRun { within, following, next: within.min, ..BrickRun::new(extent, 0, count) }
     }
 
