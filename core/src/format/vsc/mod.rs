@@ -280,9 +280,9 @@ pub(crate) fn read_header(file: &[u8], limits: &Limits) -> Result<VscHeader, For
     if flags & !(FLAG_MASK | FLAG_CUBES) != 0 {
         return Err(FormatError::Damaged("its flags are unknown"));
     }
-    let frame_numbers = || std::array::from_fn(|i| number(START_BYTES + 4 + 4 * i));
+    let of_frame = |i| number(START_BYTES + 4 + 4 * i);
     let frame = match version {
-        VERSION_WITH_CANVAS.. => frame_of(frame_numbers())?,
+        VERSION_WITH_CANVAS.. => frame_of(std::array::from_fn(of_frame))?,
         _ => CanvasFrame::of(dims),
     };
     let (table, rest) = tail.split_at(count as usize * ENTRY_BYTES);
@@ -299,11 +299,8 @@ pub(crate) fn read_header(file: &[u8], limits: &Limits) -> Result<VscHeader, For
         return Err(FormatError::Damaged("its chunks do not fit its size"));
     }
     let entries = entries(table, &sizes, colour_depth)?;
-    let packed: u64 = entries.iter().map(|entry| u64::from(entry.packed_bytes)).sum();
     let has_mask = flags & FLAG_MASK != 0;
-    if packed > body.len() as u64 || (packed < body.len() as u64) != has_mask {
-        return Err(FormatError::Damaged("it is shorter or longer than it says"));
-    }
+    check_length(&entries, body, has_mask)?;
     check_colours(&entries, &Material::new(colour_depth, base, dims), limits)?;
     Ok(VscHeader {
         dims,
@@ -347,6 +344,15 @@ fn chunks_fit(version: u32, bricks: u64, chunk_bricks: u32, count: u32) -> bool 
                 && u64::from(count) == bricks.div_ceil(u64::from(chunk_bricks))
         }
     }
+}
+
+/// Returns an error unless the chunks fill the body of a file, up to its mask if it has one.
+fn check_length(entries: &[ChunkEntry], body: &[u8], has_mask: bool) -> Result<(), FormatError> {
+    let packed: u64 = entries.iter().map(|entry| u64::from(entry.packed_bytes)).sum();
+    if packed > body.len() as u64 || (packed < body.len() as u64) != has_mask {
+        return Err(FormatError::Damaged("it is shorter or longer than it says"));
+    }
+    Ok(())
 }
 
 /// Returns the depth and the base of the colours from their number.
