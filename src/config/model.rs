@@ -140,14 +140,14 @@ impl NewOptions {
             Grid::check_size(self.dims.into(), Vec3::ONE).is_ok(),
             "dims",
             format_args!("{:?}", self.dims),
-            "must be 1 to 4096 voxels per axis",
+            "must be 1 to 8192 voxels per axis",
         )?;
         let room = UVec3::splat(self.room.min(MAX_AXIS_VX) * 2);
         require(
             Grid::check_size(UVec3::from(self.dims) + room, Vec3::ONE).is_ok(),
             "room",
             self.room,
-            "leaves more than 4096 voxels per axis",
+            "leaves more than 8192 voxels per axis",
         )
     }
 

@@ -253,7 +253,7 @@ fn fitting(target: &EditTarget, outside: [UVec3; 2]) -> Option<Canvas> {
         outside.map(|side| side.min(left).map(|side_vx| side_vx.next_multiple_of(CANVAS_STEP_VX)));
     let low = low.min(left / CANVAS_STEP_VX * CANVAS_STEP_VX);
     let to = now.grown_by(low, high.min(left - low));
-    check_canvas(&target.contents, &to).is_ok().then_some(to)
+    check_canvas(&target.contents, &to).is_ok().then_some(to).filter(|to| *to != now)
 }
 
 /// Executes a command that adds voxels on a copy.

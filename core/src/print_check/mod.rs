@@ -308,7 +308,7 @@ fn of_pieces(
     let all = wrong.map(|(_, piece)| {
         let (min, max) = piece.bounds();
         let bounds = VoxelBox { min: min.as_ivec3(), max: max.as_ivec3() };
-        FaultLocation { voxels: piece.voxels.into(), bounds }
+        FaultLocation { voxels: piece.voxels, bounds }
     });
     places::finding(kind, all.collect(), repairs, || found.voxels_of(is_wrong))
 }

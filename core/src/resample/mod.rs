@@ -14,7 +14,7 @@ use crate::progress::Progress;
 use crate::refusal::{InvalidValue, MemoryBudget, OverBudget};
 use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, Brick, local_coords};
 use crate::sculpture::canvas_frame::CanvasFrame;
-use crate::sculpture::grid::uniform_in;
+use crate::sculpture::grid::{LEAF_EDGE_LOG2, unflatten, uniform_in};
 use crate::sculpture::history::Contents;
 use crate::sculpture::material::{MAX_PAGE_BYTES, Page};
 use crate::sculpture::region::{BrickBox, VoxelBox};
@@ -24,6 +24,8 @@ use crate::shade::{LevelSet, SmoothField};
 
 /// Most points along each axis at which the field is read for a voxel.
 const MOST_POINTS: u32 = 4;
+/// Leaves whose colours are made between two reports of the progress.
+const LEAVES_AT_ONCE: usize = 256;
 /// Times that the progress of a grid is reported.
 const REPORTS: u64 = 200;
 /// The range of the factor.
@@ -264,25 +266,29 @@ fn colours_of(
         return Ok(colours);
     }
     progress.begin("resampling the colours");
-    let layers = bits.brick_dims().z as usize;
-    let per_layer = bits.brick_count() / layers;
-    for layer in 0..layers {
+    let leaf_dims = (bits.brick_dims() + 7) >> LEAF_EDGE_LOG2;
+    let bricks_of = |leaf: UVec3| {
+        let min = leaf << LEAF_EDGE_LOG2;
+        BrickBox { min, max: (min + 8).min(bits.brick_dims()) }
+    };
+    let is_painted = |leaf: &UVec3| old.is_painted_in(scale.around(bricks_of(*leaf)));
+    let leaves = (0..leaf_dims.element_product()).into_par_iter();
+    let leaves: Vec<UVec3> = leaves.map(|at| unflatten(at, leaf_dims)).filter(is_painted).collect();
+    for (at, some) in leaves.chunks(LEAVES_AT_ONCE).enumerate() {
         if progress.is_cancelled() {
-            break;
+            return Err(ResampleError::Cancelled);
         }
-        progress.advance(layer as f32 / layers as f32);
-        let bricks = (layer * per_layer..(layer + 1) * per_layer).into_par_iter();
-        let page = |at: usize| {
-            let b = bits.brick_coords(at);
-            page_of(contents, scale, b).map(|page| (b, page))
-        };
+        progress.advance((at * LEAVES_AT_ONCE) as f32 / leaves.len() as f32);
+        let bricks = some.par_iter().flat_map_iter(|leaf| {
+            let BrickBox { min, max } = bricks_of(*leaf);
+            let size = max - min;
+            (0..size.element_product()).map(move |at| min + unflatten(at, size))
+        });
+        let page = |b: UVec3| page_of(contents, scale, b).map(|page| (b, page));
         let pages: Vec<(UVec3, Page)> = bricks.filter_map(page).collect();
         let more = pages.iter().map(|(_, page)| page.heap_bytes() as u64).sum();
         let needed = colours.heap_bytes() + colours.bytes_for_pages(pages.len() as u64, more);
-        if needed > limits.colour_bytes {
-            let (budget, purpose) = (limits.colour_bytes, MemoryBudget::Colours);
-            return Err(OverBudget::new("this may need", needed, purpose, budget).into());
-        }
+        OverBudget::check("this may need", needed, MemoryBudget::Colours, limits.colour_bytes)?;
         colours.set_pages(pages);
     }
     progress.end();

@@ -57,7 +57,7 @@ pub use word_reader::WordReader;
 /// The logarithm of the edge of a leaf of the tree, in bricks.
 pub(crate) const LEAF_EDGE_LOG2: u32 = NODE_EDGE_LOG2;
 /// Longest axis of a grid, in voxels.
-pub const MAX_AXIS_VX: u32 = 4096;
+pub const MAX_AXIS_VX: u32 = 8192;
 /// Marks "no voxel" in an index map.
 pub const NO_VOXEL: u32 = u32::MAX;
 
@@ -328,6 +328,21 @@ impl Grid {
         Ok(values)
     }
 
+    /// Sets all bricks: the cubes that `whole` says to be full (`true`) or empty, large ones before small, and the leaves
+    /// (coordinates of their lowest bricks divided by 8) that `f` writes in runs of `run`, on all threads. `f` gets the
+    /// number of a run and its bricks, one leaf after the other. Returns the values of `f` in order, or one of its errors.
+    pub(crate) fn try_fill_leaves<T: Send, E: Send>(
+        &mut self,
+        whole: impl Fn(BrickBox) -> Option<bool> + Sync,
+        (leaves, run): (&[UVec3], usize),
+        f: impl Fn(usize, &mut BrickRun) -> Result<T, E> + Sync,
+    ) -> Result<Vec<T>, E> {
+        let (root, values) =
+            build::tree_of_leaf_runs(self.extent, self.levels, &whole, (leaves, run), f)?;
+        self.root = root;
+        Ok(values)
+    }
+
     /// Replaces the brick of a linear brick index. The bits must lie within [`Grid::valid_mask`].
     pub fn set_brick(&mut self, index: usize, brick: Brick) {
         self.put_brick(self.brick_coords(index), &brick);
@@ -413,7 +428,7 @@ pub(crate) mod tests {
 
     #[test]
     fn uniform_grids_take_next_to_nothing_whatever_their_size() {
-        for edge in [1, 64, 511, 1024, 1625, 4095, 4096] {
+        for edge in [1, 64, 511, 1024, 1625, 4095, 4096, 8191, 8192] {
             let mut grid = Grid::of_size(UVec3::splat(edge), Vec3::ONE).unwrap();
             assert!(grid.heap_bytes() <= 1024, "{} bytes", grid.heap_bytes());
             grid.fill_box(VoxelBox::of_grid(&grid));
@@ -427,8 +442,8 @@ pub(crate) mod tests {
     fn refusals_name_the_reason() {
         let new = |dims: [u32; 3], room| Grid::new(UVec3::from(dims), Vec3::ONE, room);
         assert!(matches!(new([0, 4, 4], ROOM), Err(GridError::Axis(0, 4, 4))));
-        assert!(matches!(new([4097, 1, 1], ROOM), Err(GridError::Axis(..))));
-        assert!(new([4096, 4096, 4096], u64::MAX).is_ok());
+        assert!(matches!(new([8193, 1, 1], ROOM), Err(GridError::Axis(..))));
+        assert!(new([8192, 8192, 8192], u64::MAX).is_ok());
         let error = new([1024, 1024, 1024], 64 << 20).unwrap_err().to_string();
         assert!(error.contains("64 MiB allowed for grids"), "{error}");
         assert!(error.contains("at most 800x800x800"), "{error}");

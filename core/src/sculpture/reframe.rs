@@ -198,7 +198,7 @@ mod tests {
         for (to, part) in [
             (to([-63, 0, 0], [90; 3]), "multiples of 64"),
             (to([1 << 20, 0, 0], [90; 3]), "too far"),
-            (to([0; 3], [5000, 1, 1]), "4096"),
+            (to([0; 3], [9000, 1, 1]), "8192"),
         ] {
             let error = reframed(&from, &to, &Limits::default()).unwrap_err().to_string();
             assert!(error.contains(part), "{error}");

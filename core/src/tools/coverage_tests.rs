@@ -345,7 +345,7 @@ fn beside() -> impl Strategy<Value = Beside> {
     ]
     .prop_map(DVec3::from)
     .prop_filter("a direction", |n| n.length() > 0.1);
-    let edge = prop_oneof![prop::sample::select(vec![8, 64, 512, 4096]), 8i32..4096];
+    let edge = prop_oneof![prop::sample::select(vec![8, 64, 512, 4096, 8192]), 8i32..8192];
     let across = prop::array::uniform3(-1.0f64..1.0);
     (edge, normal, across, 2.0f64..5.0).prop_map(|(edge, normal, across, gap)| Beside {
         edge,

@@ -49,7 +49,7 @@ pub enum PiecesError {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Piece {
     /// Number of voxels, at least 1.
-    pub voxels: u32,
+    pub voxels: u64,
     low: [u16; 3],
     high: [u16; 3],
 }
@@ -238,7 +238,7 @@ impl<'a> Pieces<'a> {
             };
             let first = view.child_low(word << 6 | own.trailing_zeros());
             let piece = &mut pieces[self.piece_of[component as usize] as usize];
-            piece.add(voxels as u32, low, high.min(dims), place(first));
+            piece.add(voxels, low, high.min(dims), place(first));
         });
         for (rank, index) in mixed_bricks(node) {
             let b = view.child_low(index);
@@ -253,7 +253,7 @@ impl<'a> Pieces<'a> {
                     };
                     let first = place(b) + u64::from(word << 6 | own.trailing_zeros());
                     let piece = &mut pieces[self.piece_of[component as usize] as usize];
-                    piece.add(own.count_ones(), corner + low, corner + high, first);
+                    piece.add(own.count_ones().into(), corner + low, corner + high, first);
                 });
             }
         }
@@ -280,7 +280,7 @@ impl MeasuredPiece {
     };
 
     #[inline(always)]
-    fn add(&mut self, voxels: u32, low: UVec3, high: UVec3, first: u64) {
+    fn add(&mut self, voxels: u64, low: UVec3, high: UVec3, first: u64) {
         self.piece.add(voxels, low, high);
         self.first = self.first.min(first);
     }
@@ -293,10 +293,10 @@ impl MeasuredPiece {
 
 impl Piece {
     #[inline(always)]
-    fn add(&mut self, voxels: u32, low: UVec3, high: UVec3) {
+    fn add(&mut self, voxels: u64, low: UVec3, high: UVec3) {
         self.voxels += voxels;
         for axis in 0..3 {
-            // An axis has at most 4096 voxels.
+            // An axis has fewer than 2^16 voxels.
             self.low[axis] = self.low[axis].min(low[axis] as u16);
             self.high[axis] = self.high[axis].max(high[axis] as u16);
         }

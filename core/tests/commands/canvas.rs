@@ -289,14 +289,14 @@ fn brushes_pastes_moves_and_strokes_grow_the_box() {
 
 #[test]
 fn beyond_the_limits_tools_are_clipped() {
-    let mut document = document("new dims=4000,40,40", Limits::default());
+    let mut document = document("new dims=8000,40,40", Limits::default());
     apply(&mut document, "canvas auto on");
     let before = document.contents().clone();
-    apply(&mut document, "subtract cuboid at=3998,20,20 half=2");
-    apply(&mut document, "add cuboid at=4200,20,20 half=204,2,2");
+    apply(&mut document, "subtract cuboid at=7998,20,20 half=2");
+    apply(&mut document, "add cuboid at=8200,20,20 half=204,2,2");
     let grown = document.grid().dims();
-    assert_eq!(grown, UVec3::new(4096, 40, 40));
-    for line in ["canvas grow by=300", "canvas size dims=5000,1,1", "canvas size dims=0,1,1"] {
+    assert_eq!(grown, UVec3::new(8192, 40, 40));
+    for line in ["canvas grow by=300", "canvas size dims=9000,1,1", "canvas size dims=0,1,1"] {
         let error = document.apply(&line.parse().unwrap()).unwrap_err().to_string();
         assert!(error.contains("grid of"), "{error}");
         assert_eq!(document.grid().dims(), grown);

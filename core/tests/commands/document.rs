@@ -357,8 +357,8 @@ fn refusals_name_the_reason_and_change_nothing() {
         (ball(EditOp::Subtract, Vec3::ONE, 0.0), "the half extent of the solid"),
         (ball(EditOp::Subtract, Vec3::ONE, f32::INFINITY), "the half extent of the solid"),
         (
-            Command::New(painted(UVec3::new(1, 5000, 1), ColourDepth::None, true)),
-            "grid of 1x5000x1 voxels",
+            Command::New(painted(UVec3::new(1, 9000, 1), ColourDepth::None, true)),
+            "grid of 1x9000x1 voxels",
         ),
         (
             place(Quat::from_xyzw(0.0, 0.0, 0.0, 2.0), Vec3::ZERO, 1.0),

@@ -124,7 +124,7 @@ fn brush() -> impl Strategy<Value = Command> {
 fn hostile() -> impl Strategy<Value = Command> {
     let counts = || prop::sample::select(vec![0u32, 1, 3, 1024, 1025, u32::MAX]);
     let new = (
-        prop::array::uniform3(prop::sample::select(vec![0u32, 1, 9, 4096, 4097, u32::MAX])),
+        prop::array::uniform3(prop::sample::select(vec![0u32, 1, 9, 8192, 8193, u32::MAX])),
         vector(),
     )
         .prop_map(|(dims, voxel_size)| {

@@ -25,10 +25,10 @@ use crate::sculpture::grid::BrickRun;
 use crate::sculpture::material::{MAX_PAGE_BYTES, Page, PageView};
 use crate::sculpture::{Brick, ColourDepth};
 
-const EMPTY: u8 = 0;
-const FULL: u8 = 1;
-const MIXED: u8 = 2;
-const HAS_PAGE: u8 = 4;
+pub(super) const EMPTY: u8 = 0;
+pub(super) const FULL: u8 = 1;
+pub(super) const MIXED: u8 = 2;
+pub(super) const HAS_PAGE: u8 = 4;
 
 /// Greatest number of colours that a page lists once instead of at every voxel.
 const PALETTE: usize = 16;
@@ -149,7 +149,7 @@ pub fn pack<'a>(
     (entry, packed)
 }
 
-/// Unpacks a chunk to a run of its bricks, and returns its pages with their indices in the chunk. The entry must have
+/// Unpacks a chunk to a run of its bricks, and returns its pages with the coordinates of their bricks. The entry must have
 /// been checked.
 pub fn unpack(
     entry: &ChunkEntry,
@@ -157,7 +157,7 @@ pub fn unpack(
     bricks: &mut BrickRun,
     depth: ColourDepth,
     room: &BitsRoom,
-) -> Result<Vec<(usize, Page)>, FormatError> {
+) -> Result<Vec<(UVec3, Page)>, FormatError> {
     if entry.packed_bytes == 0 {
         let is_full = entry.plain_bytes == 1;
         while bricks.left() > 0 {
@@ -180,7 +180,11 @@ pub fn unpack(
     room.take(mixed)?;
     bricks.reserve(mixed);
     let mut shapes = shapes.as_chunks::<2>().0.iter().map(|&bytes| u16::from_le_bytes(bytes));
+    let mut painted = Vec::with_capacity(entry.pages as usize);
     for class in classes {
+        if class & HAS_PAGE != 0 {
+            painted.push(bricks.next());
+        }
         match class & !HAS_PAGE {
             EMPTY => bricks.add_empty(),
             FULL => bricks.add_full(),
@@ -193,11 +197,9 @@ pub fn unpack(
             _ => return Err(FormatError::Damaged("a brick is of no known kind")),
         }
     }
-    let mut pages = Vec::with_capacity(entry.pages as usize);
-    for (i, class) in classes.iter().enumerate() {
-        if class & HAS_PAGE != 0 {
-            pages.push((i, unpack_page(depth, &mut rest)?));
-        }
+    let mut pages = Vec::with_capacity(painted.len());
+    for b in painted {
+        pages.push((b, unpack_page(depth, &mut rest)?));
     }
     if !rest.is_empty() || pages.len() != entry.pages as usize {
         return Err(FormatError::Damaged("a part has another length than it says"));

@@ -6,7 +6,7 @@
 //! | bytes | what |
 //! |---|---|
 //! | 8 | `89 56 53 43 0D 0A 1A 0A`: no text file begins so, and none copied as text still does |
-//! | 4 | version: 1, or 2 with a mask, or 3 with flags, or 4 with a canvas |
+//! | 4 | version: 1, or 2 with a mask, or 3 with flags, or 4 with a canvas, or 5 with a map of nodes |
 //! | 3 x 4 | size in voxels |
 //! | 3 x 4 | edge lengths of a voxel, as `f32` |
 //! | 1 | bits of colour: 0, 8, 16 or 24 |
@@ -14,20 +14,25 @@
 //! | 4 | bricks of a chunk |
 //! | 4 | number of chunks |
 //! | 4 | bytes of the texts |
-//! | 4 | of versions 3 and 4: flags, 1 for a mask, 2 for near voxels that are shown as cubes |
-//! | 3 x 4 | of version 4: the signed coordinates of the first voxel, as `i32` |
-//! | 3 x 4 | of version 4: the size of the box with which the sculpture began, from signed coordinates 0 on |
-//! | 4 | of version 4: 1 if tools that reach beyond the box make it grow, else 0 |
-//! | 4 | CRC-32 of all before and of table and texts |
+//! | 4 | from version 3 on: flags, 1 for a mask, 2 for near voxels that are shown as cubes |
+//! | 3 x 4 | from version 4 on: the signed coordinates of the first voxel, as `i32` |
+//! | 3 x 4 | from version 4 on: the size of the box with which the sculpture began, from signed coordinates 0 on |
+//! | 4 | from version 4 on: 1 if tools that reach beyond the box make it grow, else 0 |
+//! | 2 x 4 | of version 5: packed bytes and plain bytes of the map; see [`nodes`] |
+//! | 4 | CRC-32 of all before, and of table, texts and map |
 //! | 16 each | the table: for each chunk packed bytes, plain bytes, pages, CRC-32 of the packed bytes |
 //! | | the texts: none at all, or four times a length and so many bytes: description, courtesy, parameter, comment |
+//! | | of version 5: the map, packed by LZ4 |
 //! | | the chunks, one after the other; see [`chunk`] |
 //! | | with a mask: the mask, as a file of version 1 of the same size, without colours and texts |
 //!
 //! Each sculpture is written in the lowest version that can represent it, so that earlier programs read as much as
-//! possible. Bricks are counted x fastest, then y, then z. Chunks are independent, so that all cores pack and unpack.
+//! possible; version 5 is for large boxes, whose files then grow with the surface alone. Bricks are counted x fastest, then
+//! y, then z; those of version 5 within their leaves, of which a chunk holds eight. Chunks are independent, so that all
+//! cores pack and unpack.
 
 pub(super) mod chunk;
+mod nodes;
 
 use std::io::Write;
 
@@ -35,6 +40,7 @@ use glam::{IVec3, UVec3, Vec3};
 use rayon::prelude::*;
 
 use self::chunk::{BitsRoom, ChunkEntry};
+use self::nodes::{CHUNK_LEAVES, NodeMap, bricks_of};
 use super::budget::check_colour_budget;
 use super::error::excerpt;
 use super::limits::TEXTS_LIMIT;
@@ -44,6 +50,7 @@ use super::{FormatError, go_on};
 use crate::progress::Progress;
 use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::sculpture::canvas_frame::CanvasFrame;
+use crate::sculpture::grid::{BrickRun, uniform_in};
 use crate::sculpture::history::{Contents, SurfaceKind};
 use crate::sculpture::material::Page;
 use crate::sculpture::{ColourDepth, Grid, Limits, Material, Rgb};
@@ -59,6 +66,10 @@ const VERSION: u32 = 1;
 const VERSION_WITH_MASK: u32 = 2;
 const VERSION_WITH_FLAGS: u32 = 3;
 const VERSION_WITH_CANVAS: u32 = 4;
+const VERSION_WITH_NODES: u32 = 5;
+
+/// Bricks of the largest sculpture that is written without a map: those of 1024^3 voxels.
+const MOST_LISTED_BRICKS: usize = 1 << 21;
 
 const FLAG_MASK: u32 = 1;
 const FLAG_CUBES: u32 = 2;
@@ -69,6 +80,8 @@ const ENTRY_BYTES: usize = 16;
 /// Size of the flags, and of the canvas that follows them.
 const FLAGS_BYTES: usize = 4;
 const CANVAS_BYTES: usize = 28;
+/// Size of the lengths of the map, which follow the canvas.
+const MAP_BYTES: usize = 8;
 
 /// Number of bricks of a chunk in written files, and its limits in read files.
 const CHUNK_BRICKS: u32 = 4096;
@@ -97,6 +110,8 @@ pub struct VscHeader {
     pub surface: SurfaceKind,
     /// Where the box lies.
     pub frame: CanvasFrame,
+    /// The map of a file of version 5.
+    map: Option<NodeMap>,
 }
 
 /// Packs a sculpture.
@@ -121,23 +136,17 @@ pub fn write_to(
     let texts = packed_texts(texts)?;
     let depth = material.depth();
     progress.begin("packing");
-    let chunks: Vec<(ChunkEntry, Vec<u8>)> = (0..grid.brick_count())
-        .into_par_iter()
-        .step_by(CHUNK_BRICKS as usize)
-        .map(|first| {
-            if progress.is_cancelled() {
-                return (ChunkEntry::default(), Vec::new());
-            }
-            let bricks = grid.bricks_from(first).take(CHUNK_BRICKS as usize);
-            let mut colours = material.reader();
-            chunk::pack(bricks, |b| grid.valid_mask(b), |b| colours.page(b))
-        })
-        .collect();
+    let map = (grid.brick_count() > MOST_LISTED_BRICKS).then(|| NodeMap::of(contents));
+    let chunks = match &map {
+        None => listed_chunks(contents, progress),
+        Some((map, _)) => chunks_of_leaves(contents, map, progress),
+    };
     progress.end();
     go_on(progress)?;
     let mut head = MAGIC.to_vec();
     let mut number = |v: u32| head.extend_from_slice(&v.to_le_bytes());
     let version = match (surface, mask) {
+        _ if map.is_some() => VERSION_WITH_NODES,
         _ if !contents.canvas().is_plain() => VERSION_WITH_CANVAS,
         (SurfaceKind::Cubes, _) => VERSION_WITH_FLAGS,
         (SurfaceKind::Smooth, Some(_)) => VERSION_WITH_MASK,
@@ -155,10 +164,15 @@ pub fn write_to(
         let cubes = if *surface == SurfaceKind::Cubes { FLAG_CUBES } else { 0 };
         number(cubes | if mask.is_some() { FLAG_MASK } else { 0 });
     }
-    if version == VERSION_WITH_CANVAS {
+    if version >= VERSION_WITH_CANVAS {
         frame.origin.to_array().into_iter().for_each(|at| number(at as u32));
         frame.home.to_array().into_iter().for_each(&mut number);
         number(u32::from(frame.grows));
+    }
+    let map = map.map(|(_, plain)| (lz4_flex::block::compress(&plain), plain.len()));
+    if let Some((packed, plain_bytes)) = &map {
+        number(packed.len() as u32);
+        number(*plain_bytes as u32);
     }
     let mut tail = Vec::with_capacity(chunks.len() * ENTRY_BYTES + texts.len());
     for (entry, _) in &chunks {
@@ -168,6 +182,7 @@ pub fn write_to(
         }
     }
     tail.extend_from_slice(&texts);
+    tail.extend(map.into_iter().flat_map(|(packed, _)| packed));
     let checksum = checksum(&head, &tail);
     head.extend_from_slice(&checksum.to_le_bytes());
     out.write_all(&head)?;
@@ -185,6 +200,44 @@ pub fn write_to(
     }
 }
 
+/// Packs all bricks in linear order.
+fn listed_chunks(contents: &Contents, progress: &dyn Progress) -> Vec<(ChunkEntry, Vec<u8>)> {
+    let Contents { grid, material, .. } = contents;
+    (0..grid.brick_count())
+        .into_par_iter()
+        .step_by(CHUNK_BRICKS as usize)
+        .map(|first| {
+            if progress.is_cancelled() {
+                return (ChunkEntry::default(), Vec::new());
+            }
+            let bricks = grid.bricks_from(first).take(CHUNK_BRICKS as usize);
+            let mut colours = material.reader();
+            chunk::pack(bricks, |b| grid.valid_mask(b), |b| colours.page(b))
+        })
+        .collect()
+}
+
+/// Packs the bricks of the leaves of a map.
+fn chunks_of_leaves(
+    contents: &Contents,
+    map: &NodeMap,
+    progress: &dyn Progress,
+) -> Vec<(ChunkEntry, Vec<u8>)> {
+    let Contents { grid, material, .. } = contents;
+    map.leaves()
+        .par_chunks(CHUNK_LEAVES)
+        .map(|leaves| {
+            if progress.is_cancelled() {
+                return (ChunkEntry::default(), Vec::new());
+            }
+            let bricks = leaves.iter().flat_map(|leaf| bricks_of(grid.brick_dims(), *leaf));
+            let mut colours = material.reader();
+            let bricks = bricks.map(|b| (b, grid.brick(b)));
+            chunk::pack(bricks, |b| grid.valid_mask(b), |b| colours.page(b))
+        })
+        .collect()
+}
+
 /// Reads the header, and checks that the file has the stated length and that the sculpture is within `limits`.
 pub(crate) fn read_header(file: &[u8], limits: &Limits) -> Result<VscHeader, FormatError> {
     if !file.starts_with(&MAGIC) {
@@ -195,16 +248,7 @@ pub(crate) fn read_header(file: &[u8], limits: &Limits) -> Result<VscHeader, For
         u32::from_le_bytes(bytes.unwrap_or_default())
     };
     let version = number(8);
-    let (flags_bytes, flags) = match version {
-        VERSION => (0, 0),
-        VERSION_WITH_MASK => (0, FLAG_MASK),
-        VERSION_WITH_FLAGS => (FLAGS_BYTES, number(START_BYTES)),
-        VERSION_WITH_CANVAS => (FLAGS_BYTES + CANVAS_BYTES, number(START_BYTES)),
-        _ if file.len() < START_BYTES => {
-            return Err(FormatError::Damaged("it ends within its header"));
-        }
-        _ => return Err(FormatError::VscVersion(version)),
-    };
+    let (flags_bytes, flags) = flags_of(version, file.len(), number(START_BYTES))?;
     // Without the checksum.
     let head_bytes = START_BYTES + flags_bytes;
     let Some((head, rest)) = file.split_at_checked(head_bytes + 4) else {
@@ -213,21 +257,22 @@ pub(crate) fn read_header(file: &[u8], limits: &Limits) -> Result<VscHeader, For
     let dims = UVec3::new(number(12), number(16), number(20));
     let voxel_size = Vec3::from([24, 28, 32].map(|at| f32::from_bits(number(at))));
     Grid::check_size(dims, voxel_size)?;
-    let [bits, r, g, b] = number(36).to_le_bytes();
-    let depth = ColourDepth::from_bits(u32::from(bits));
-    let colour_depth = depth.ok_or(FormatError::Damaged("its bits of colour are unknown"))?;
+    let (colour_depth, base) = colours_of(number(36))?;
     let (chunk_bricks, count, text_bytes) = (number(40), number(44), number(48));
     let bricks = ((dims + (BRICK_EDGE_VX - 1)) / BRICK_EDGE_VX).as_u64vec3().element_product();
-    if !CHUNK_RANGE.contains(&chunk_bricks)
-        || u64::from(count) != bricks.div_ceil(u64::from(chunk_bricks))
-    {
+    if !chunks_fit(version, bricks, chunk_bricks, count) {
         return Err(FormatError::Damaged("its chunks do not fit its size"));
     }
     if u64::from(text_bytes) > TEXTS_LIMIT {
         return Err(FormatError::TextsTooLong);
     }
     let cut = FormatError::Damaged("it ends within its table");
-    let tail_bytes = count as usize * ENTRY_BYTES + text_bytes as usize;
+    let map_at = START_BYTES + FLAGS_BYTES + CANVAS_BYTES;
+    let (map_bytes, plain_map_bytes) = match version {
+        VERSION_WITH_NODES => (number(map_at), number(map_at + 4)),
+        _ => (0, 0),
+    };
+    let tail_bytes = count as usize * ENTRY_BYTES + text_bytes as usize + map_bytes as usize;
     let (tail, body) = rest.split_at_checked(tail_bytes).ok_or(cut)?;
     if checksum(&head[..head_bytes], tail) != number(head_bytes) {
         return Err(FormatError::Damaged("the checksum of its header is wrong"));
@@ -235,18 +280,27 @@ pub(crate) fn read_header(file: &[u8], limits: &Limits) -> Result<VscHeader, For
     if flags & !(FLAG_MASK | FLAG_CUBES) != 0 {
         return Err(FormatError::Damaged("its flags are unknown"));
     }
+    let of_frame = |i| number(START_BYTES + 4 + 4 * i);
     let frame = match version {
-        VERSION_WITH_CANVAS => frame_of(std::array::from_fn(|i| number(START_BYTES + 4 + 4 * i)))?,
+        VERSION_WITH_CANVAS.. => frame_of(std::array::from_fn(of_frame))?,
         _ => CanvasFrame::of(dims),
     };
-    let (table, texts) = tail.split_at(count as usize * ENTRY_BYTES);
-    let entries = entries(table, bricks as usize, chunk_bricks as usize, colour_depth)?;
-    let packed: u64 = entries.iter().map(|entry| u64::from(entry.packed_bytes)).sum();
-    let has_mask = flags & FLAG_MASK != 0;
-    if packed > body.len() as u64 || (packed < body.len() as u64) != has_mask {
-        return Err(FormatError::Damaged("it is shorter or longer than it says"));
+    let (table, rest) = tail.split_at(count as usize * ENTRY_BYTES);
+    let (texts, map) = rest.split_at(text_bytes as usize);
+    let map = match version {
+        VERSION_WITH_NODES => Some(NodeMap::unpack(map, plain_map_bytes, dims, colour_depth)?),
+        _ => None,
+    };
+    let sizes = match &map {
+        None => sizes_of_chunks(bricks as usize, chunk_bricks as usize),
+        Some(map) => map.chunk_sizes(),
+    };
+    if sizes.len() != count as usize {
+        return Err(FormatError::Damaged("its chunks do not fit its size"));
     }
-    let base = Rgb([r, g, b]);
+    let entries = entries(table, &sizes, colour_depth)?;
+    let has_mask = flags & FLAG_MASK != 0;
+    check_length(&entries, body, has_mask)?;
     check_colours(&entries, &Material::new(colour_depth, base, dims), limits)?;
     Ok(VscHeader {
         dims,
@@ -263,7 +317,54 @@ pub(crate) fn read_header(file: &[u8], limits: &Limits) -> Result<VscHeader, For
             _ => SurfaceKind::Cubes,
         },
         frame,
+        map,
     })
+}
+
+/// Returns the bytes between the start of a header and its checksum, in a file of `file_bytes`, and the flags, which are
+/// `stored` where the version has any.
+fn flags_of(version: u32, file_bytes: usize, stored: u32) -> Result<(usize, u32), FormatError> {
+    match version {
+        VERSION => Ok((0, 0)),
+        VERSION_WITH_MASK => Ok((0, FLAG_MASK)),
+        VERSION_WITH_FLAGS => Ok((FLAGS_BYTES, stored)),
+        VERSION_WITH_CANVAS => Ok((FLAGS_BYTES + CANVAS_BYTES, stored)),
+        VERSION_WITH_NODES => Ok((FLAGS_BYTES + CANVAS_BYTES + MAP_BYTES, stored)),
+        _ if file_bytes < START_BYTES => Err(FormatError::Damaged("it ends within its header")),
+        _ => Err(FormatError::VscVersion(version)),
+    }
+}
+
+/// Returns whether `count` chunks of `chunk_bricks` can be those of so many bricks.
+fn chunks_fit(version: u32, bricks: u64, chunk_bricks: u32, count: u32) -> bool {
+    match version {
+        VERSION_WITH_NODES => chunk_bricks == CHUNK_BRICKS,
+        _ => {
+            CHUNK_RANGE.contains(&chunk_bricks)
+                && u64::from(count) == bricks.div_ceil(u64::from(chunk_bricks))
+        }
+    }
+}
+
+/// Returns an error unless the chunks fill the body of a file, up to its mask if it has one.
+fn check_length(entries: &[ChunkEntry], body: &[u8], has_mask: bool) -> Result<(), FormatError> {
+    let packed: u64 = entries.iter().map(|entry| u64::from(entry.packed_bytes)).sum();
+    if packed > body.len() as u64 || (packed < body.len() as u64) != has_mask {
+        return Err(FormatError::Damaged("it is shorter or longer than it says"));
+    }
+    Ok(())
+}
+
+/// Returns the depth and the base of the colours from their number.
+fn colours_of(number: u32) -> Result<(ColourDepth, Rgb), FormatError> {
+    let [bits, r, g, b] = number.to_le_bytes();
+    let depth = ColourDepth::from_bits(u32::from(bits));
+    Ok((depth.ok_or(FormatError::Damaged("its bits of colour are unknown"))?, Rgb([r, g, b])))
+}
+
+/// Returns the bricks of each chunk.
+fn sizes_of_chunks(bricks: usize, chunk: usize) -> Vec<usize> {
+    (0..bricks).step_by(chunk).map(|first| chunk.min(bricks - first)).collect()
 }
 
 /// Returns the frame of the numbers that follow the flags.
@@ -281,11 +382,10 @@ fn frame_of(
     }
 }
 
-/// Returns the rows of the table, each checked against the bricks of its chunk.
+/// Returns the rows of the table, each checked against the number of bricks of its chunk.
 fn entries(
     table: &[u8],
-    bricks: usize,
-    chunk_bricks: usize,
+    sizes: &[usize],
     depth: ColourDepth,
 ) -> Result<Vec<ChunkEntry>, FormatError> {
     let entries = table.as_chunks::<ENTRY_BYTES>().0.iter().map(|entry| {
@@ -298,11 +398,8 @@ fn entries(
         }
     });
     let entries: Vec<ChunkEntry> = entries.collect();
-    let mut left = bricks;
-    for entry in &entries {
-        let bricks = left.min(chunk_bricks);
-        entry.check(bricks, depth)?;
-        left -= bricks;
+    for (entry, bricks) in entries.iter().zip(sizes) {
+        entry.check(*bricks, depth)?;
     }
     Ok(entries)
 }
@@ -348,18 +445,26 @@ pub fn read(
         .collect();
     progress.begin("unpacking");
     let room = BitsRoom::new(limits.grid_bytes);
-    let pages: Result<Vec<Vec<(usize, Page)>>, FormatError> =
-        grid.try_fill_runs(chunk_bricks, |first, bricks| {
-            go_on(progress)?;
-            let (entry, packed) = &chunks[first / chunk_bricks];
-            let mut pages = chunk::unpack(entry, packed, bricks, depth, &room)?;
-            pages.iter_mut().for_each(|(at, _)| *at += first);
-            Ok(pages)
-        });
+    let unpack = |chunk: usize, bricks: &mut BrickRun| {
+        go_on(progress)?;
+        let (entry, packed) = &chunks[chunk];
+        chunk::unpack(entry, packed, bricks, depth, &room)
+    };
+    let pages: Result<Vec<Vec<(UVec3, Page)>>, FormatError> = match &header.map {
+        None => {
+            grid.try_fill_runs(chunk_bricks, |first, bricks| unpack(first / chunk_bricks, bricks))
+        }
+        Some(map) => {
+            let leaves = (map.leaves(), CHUNK_LEAVES);
+            grid.try_fill_leaves(|cube| map.is_full(cube), leaves, unpack)
+        }
+    };
     progress.end();
     let mut material = Material::for_grid(&grid, depth, base);
-    let pages = pages?.into_iter().flatten();
-    material.set_pages(pages.map(|(index, page)| (grid.brick_coords(index), page)).collect());
+    material.set_pages(pages?.into_iter().flatten().collect());
+    if let Some(map) = &header.map {
+        map.painted().iter().for_each(|(cube, page)| material.set_cube(*cube, page.clone()));
+    }
     let (surface, frame) = (header.surface, header.frame);
     let mut contents = Contents { surface, frame, ..Contents::new(grid, material) };
     if header.has_mask {
@@ -377,7 +482,7 @@ fn read_mask(file: &[u8], grid: &Grid, limits: &Limits) -> Result<Grid, FormatEr
     }
     let (mask, _) = read(file, limits, &())?;
     let mut bits = grid.emptied();
-    bits.fill_bricks(|b| *mask.grid.brick(b));
+    bits.fill_cubes(|cube| uniform_in(&mask.grid, cube), |b| *mask.grid.brick(b));
     Ok(bits)
 }
 

@@ -4,6 +4,8 @@ use super::*;
 use crate::refusal::MemoryBudget;
 use crate::scenes::{self, Random};
 use crate::sculpture::brick::{Brick, BrickKind};
+use crate::sculpture::material::ColourCube;
+use crate::sculpture::region::VoxelBox;
 use proptest::prelude::*;
 
 /// Returns a sculpture of empty, full and mixed bricks, with pages of one, some and many colours, some of them under
@@ -97,8 +99,8 @@ fn limits_are_asked_before_memory_is_taken() {
     assert_eq!(over.budget, MemoryBudget::Colours);
     assert!(matches!(read(b"PVM3\n", &limits, &()), Err(FormatError::NotVsc(_))));
     let mut newer = file.clone();
-    newer[8] = 5;
-    assert!(matches!(read(&newer, &Limits::default(), &()), Err(FormatError::VscVersion(5))));
+    newer[8] = 6;
+    assert!(matches!(read(&newer, &Limits::default(), &()), Err(FormatError::VscVersion(6))));
     // A file with a mask must contain it.
     newer[8] = 2;
     assert!(matches!(read(&newer, &Limits::default(), &()), Err(FormatError::Damaged(_))));
@@ -196,4 +198,110 @@ proptest! {
             }
         }
     }
+}
+
+/// Returns a large block with holes, paint of one colour over leaves and nodes and of many colours in bricks, and a mask.
+fn large() -> Contents {
+    let dims = UVec3::new(1100, 1030, 1051);
+    let mut grid = Grid::of_size(dims, Vec3::new(1.0, 2.0, 0.5)).unwrap();
+    grid.fill_box(VoxelBox { min: IVec3::new(3, 0, 8), max: IVec3::new(1100, 1000, 1051) });
+    let mut random = Random(7);
+    for _ in 0..3000 {
+        let mut at = || (random.next_u64() % 1100) as i32;
+        let v = IVec3::new(at(), at(), at());
+        let exists = grid.get(v);
+        grid.set(v, !exists);
+    }
+    let mut material = Material::for_grid(&grid, ColourDepth::Bits16, Rgb::STONE);
+    let red = Page::uniform(Rgb::new(248, 0, 0), ColourDepth::Bits16);
+    for (low, level) in [([64, 64, 64], 2), ([8, 0, 16], 1), ([136, 128, 128], 1), ([3, 3, 3], 0)] {
+        material.set_cube(ColourCube { low: low.into(), level }, red.clone());
+    }
+    material.paint_each(UVec3::new(100, 7, 99), &Brick::FULL, |i| Rgb::new(i as u8, 8, 8));
+    let mut mask = grid.emptied();
+    mask.fill_box(VoxelBox { min: IVec3::splat(50), max: IVec3::new(90, 1030, 77) });
+    let frame = CanvasFrame { origin: IVec3::splat(-64), home: UVec3::splat(900), grows: true };
+    let surface = SurfaceKind::Cubes;
+    Contents { mask: Some(Box::new(mask)), frame, surface, ..Contents::new(grid, material) }
+}
+
+#[test]
+fn a_large_sculpture_is_written_by_nodes_and_read_back_to_the_byte() {
+    let contents = large();
+    let file = write(&contents, &texts(), &()).unwrap();
+    assert_eq!(file[8], 5);
+    assert!(file.len() < 400_000, "{} bytes", file.len());
+    let (read_back, read_texts) = read(&file, &Limits::default(), &()).unwrap();
+    assert_eq!(read_back, contents);
+    assert_eq!(read_texts, texts());
+    assert_eq!(read_back.material.page_count(), contents.material.page_count());
+    assert_eq!(read_back.material.heap_bytes(), contents.material.heap_bytes());
+    assert_eq!(read_back.grid.opaque_count(), contents.grid.opaque_count());
+    // Whatever is cut off or changed is noticed.
+    for at in (0..file.len()).step_by(file.len() / 60).chain(0..300) {
+        assert!(read(&file[..at], &Limits::default(), &()).is_err(), "cut at {at}");
+        let mut damaged = file.clone();
+        damaged[at] ^= 0x10;
+        assert!(read(&damaged, &Limits::default(), &()).is_err(), "damaged at {at}");
+    }
+    let limits = Limits { grid_bytes: 1 << 10, ..Limits::default() };
+    assert!(matches!(read(&file, &limits, &()), Err(FormatError::Grid(_))));
+}
+
+#[test]
+fn uniform_sculptures_take_next_to_nothing_whatever_their_size() {
+    for dims in [
+        UVec3::splat(1025),
+        UVec3::new(4096, 4095, 2000),
+        UVec3::new(8192, 24, 8192),
+        UVec3::splat(8192),
+    ] {
+        for is_full in [false, true] {
+            let mut grid = Grid::of_size(dims, Vec3::ONE).unwrap();
+            if is_full {
+                grid.fill_box(VoxelBox::of_grid(&grid));
+            }
+            let mut material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::STONE);
+            let all = ColourCube { low: UVec3::ZERO, level: 4 };
+            for index in 0..512 {
+                let cube = all.child_at(index);
+                if is_full && cube.low.cmplt(grid.brick_dims()).all() {
+                    let page = Page::uniform(Rgb::new(1, 2, 3), ColourDepth::Bits24);
+                    material.set_cube(cube, page);
+                }
+            }
+            let contents = Contents::new(grid, material);
+            let file = write(&contents, &Texts::default(), &()).unwrap();
+            assert!(file.len() < 400, "{dims}: {} bytes", file.len());
+            assert_eq!(read(&file, &Limits::default(), &()).unwrap().0, contents);
+        }
+    }
+}
+
+/// A map from elsewhere may say anything.
+#[test]
+fn maps_that_are_not_possible_are_refused() {
+    let dims = UVec3::new(1100, 1030, 1051);
+    let unpack = |plain: &[u8], bytes: u32| {
+        let packed = lz4_flex::block::compress(plain);
+        NodeMap::unpack(&packed, bytes, dims, ColourDepth::Bits24)
+    };
+    // The root has 3^3 children of 64^3 bricks.
+    assert!(unpack(&[1; 27], 27).is_ok());
+    for (plain, bytes) in [
+        (vec![1; 26], 26),
+        (vec![1; 28], 28),
+        (vec![1; 27], 26),
+        (vec![1; 27], 28),
+        (vec![1; 27], u32::MAX),
+        (vec![3; 27], 27),
+        (vec![6; 27], 27),
+        (vec![2; 27], 27),
+        (vec![5; 27], 27),
+        ([vec![5; 27], vec![2; 27 * 7]].concat(), 27 * 8),
+    ] {
+        assert!(unpack(&plain, bytes).is_err(), "{plain:?}");
+    }
+    let none = lz4_flex::block::compress(&[5; 27]);
+    assert!(NodeMap::unpack(&none, 27, dims, ColourDepth::None).is_err());
 }

@@ -310,7 +310,7 @@ fn the_longest_grids_have_a_smooth_mesh() {
             assert_eq!(sound("a beam", &mesh).surfaces, 1);
             mesh.volume_vx()
         };
-        let a_brick = (volume(4080) - volume(2040)) / 255.0;
-        assert!((volume(4096) - volume(4080) - 2.0 * a_brick).abs() < 0.1, "along axis {axis}");
+        let a_brick = (volume(8176) - volume(4096)) / 510.0;
+        assert!((volume(8192) - volume(8176) - 2.0 * a_brick).abs() < 0.1, "along axis {axis}");
     }
 }

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use glam::UVec3;
 use rayon::prelude::*;
+use rustc_hash::FxHashMap;
 
 use super::extent::Extent;
 use super::node::{Child, NODE_EDGE_LOG2, Slot, TreeNode};
@@ -225,10 +226,65 @@ fn node_with(
     TreeNode::inner(mixed, full, nodes, voxels)
 }
 
-/// A run of bricks in linear order, as a loader adds them. Only the mixed ones take memory.
+/// Returns the tree of the cubes that `whole` says to be full (`true`) or empty, and of the leaves in runs of `run` that
+/// `f` fills, and the values that it returns. `f` gets the number of a run and the bricks of its leaves, one leaf after
+/// the other. Leaves that are neither are empty. Returns one of its errors if there is one.
+pub(super) fn tree_of_leaf_runs<T: Send, E: Send>(
+    extent: Extent,
+    levels: u32,
+    whole: &(dyn Fn(BrickBox) -> Option<bool> + Sync),
+    (leaves, run): (&[UVec3], usize),
+    f: impl Fn(usize, &mut BrickRun) -> Result<T, E> + Sync,
+) -> Result<(Arc<TreeNode>, Vec<T>), E> {
+    let written: Result<Vec<(T, BrickRun)>, E> = leaves
+        .par_chunks(run.max(1))
+        .enumerate()
+        .map(|(number, leaves)| {
+            let mut bricks = BrickRun::of_leaves(extent, leaves);
+            let value = f(number, &mut bricks)?;
+            Ok((value, bricks))
+        })
+        .collect();
+    let (values, runs): (Vec<T>, Vec<BrickRun>) = written?.into_iter().unzip();
+    // The run of each leaf, and its first brick there.
+    let mut places = FxHashMap::default();
+    for (number, leaves) in leaves.chunks(run.max(1)).enumerate() {
+        let mut first = 0;
+        for leaf in leaves {
+            places.insert(*leaf, (number, first));
+            first += leaf_bricks(&extent, *leaf).brick_count() as usize;
+        }
+    }
+    let brick = |b: UVec3| {
+        let leaf = b >> NODE_EDGE_LOG2;
+        let Some((number, first)) = places.get(&leaf) else { return Brick::EMPTY };
+        let bricks = leaf_bricks(&extent, leaf);
+        let (at, size) = (b - bricks.min, bricks.max - bricks.min);
+        let within = (at.x + size.x * (at.y + size.y * at.z)) as usize;
+        match runs[*number].brick(first + within) {
+            Value::Empty => Brick::EMPTY,
+            Value::Full => Brick::FULL,
+            Value::Mixed(brick) => brick,
+        }
+    };
+    let root = tree_of_cubes(extent, levels, whole, &brick);
+    Ok((root, values))
+}
+
+/// Returns the bricks of a leaf that lie within the grid.
+fn leaf_bricks(extent: &Extent, leaf: UVec3) -> BrickBox {
+    let min = leaf << NODE_EDGE_LOG2;
+    BrickBox { min, max: (min + (1 << NODE_EDGE_LOG2)).min(extent.bricks) }
+}
+
+/// A run of bricks, as a loader adds them: in linear order, or those of some leaves, one after the other. Only the mixed
+/// ones take memory.
 #[derive(Debug)]
 pub(crate) struct BrickRun {
     extent: Extent,
+    /// The box of bricks whose rows are added, and the boxes that follow.
+    within: BrickBox,
+    following: std::vec::IntoIter<UVec3>,
     /// The coordinates of the next brick, and how many may follow.
     next: UVec3,
     left: usize,
@@ -240,14 +296,30 @@ pub(crate) struct BrickRun {
 
 impl BrickRun {
     fn new(extent: Extent, first: usize, count: usize) -> BrickRun {
+        let within = BrickBox { min: UVec3::ZERO, max: extent.bricks };
         let next = unflatten(first as u32, extent.bricks);
         let words = Vec::with_capacity(count.div_ceil(64));
-        BrickRun { extent, next, left: count, words, mixed: Vec::new(), len: 0 }
+        let following = Vec::new().into_iter();
+        BrickRun { extent, within, following, next, left: count, words, mixed: Vec::new(), len: 0 }
+    }
+
+    fn of_leaves(extent: Extent, leaves: &[UVec3]) -> BrickRun {
+        let bricks = |leaf: &UVec3| leaf_bricks(&extent, *leaf);
+        let count = leaves.iter().map(|leaf| bricks(leaf).brick_count() as usize).sum();
+        let (first, rest) = leaves.split_first().unwrap_or((&UVec3::ZERO, &[]));
+        let (within, following) = (bricks(first), Vec::from(rest).into_iter());
+        BrickRun { within, following, next: within.min, ..BrickRun::new(extent, 0, count) }
     }
 
     /// Returns how many bricks remain to be added.
     pub fn left(&self) -> usize {
         self.left
+    }
+
+    /// Returns the coordinates of the next brick.
+    #[inline]
+    pub fn next(&self) -> UVec3 {
+        self.next
     }
 
     /// Makes room for `mixed` bricks that are neither empty nor full.
@@ -300,14 +372,20 @@ impl BrickRun {
         }
         self.len += 1;
         self.left = self.left.saturating_sub(1);
-        let UVec3 { x: width, y: height, .. } = self.extent.bricks;
+        let BrickBox { min, max } = self.within;
         let next = &mut self.next;
         next.x += 1;
-        if next.x == width {
-            (next.x, next.y) = (0, next.y + 1);
+        if next.x == max.x {
+            (next.x, next.y) = (min.x, next.y + 1);
         }
-        if next.y == height {
-            (next.y, next.z) = (0, next.z + 1);
+        if next.y == max.y {
+            (next.y, next.z) = (min.y, next.z + 1);
+        }
+        if next.z == max.z
+            && let Some(leaf) = self.following.next()
+        {
+            self.within = leaf_bricks(&self.extent, leaf);
+            self.next = self.within.min;
         }
     }
 

@@ -33,6 +33,11 @@ impl Material {
         }
     }
 
+    /// Gives all bricks of a cube one page, which must be uniform.
+    pub(crate) fn set_cube(&mut self, cube: ColourCube, page: Page) {
+        self.replace(cube, Some(PaintedChild::Page(page)));
+    }
+
     /// Adds pages, each of another brick, or replaces those that these bricks have.
     pub fn set_pages(&mut self, mut pages: Vec<(UVec3, Page)>) {
         let place = |b: UVec3| (b.z >> 3, b.y >> 3, b.x >> 3, Slot::of(b).index());

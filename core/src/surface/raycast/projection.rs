@@ -8,8 +8,8 @@ use glam::{DMat3, DVec2, DVec3, UVec2, Vec3};
 use crate::surface::index_map::PixelRect;
 use crate::view::PixelRays;
 
-/// The logarithm of the edge of the largest cube, in voxels.
-pub(super) const MAX_LEVEL: usize = 12;
+/// The logarithm of the edge of the largest cube, in voxels: that around the cells of the longest grid.
+pub(super) const MAX_LEVEL: usize = 14;
 
 /// A rectangle of pixels of a tile, both ends inclusive.
 #[derive(Clone, Copy, Default, Debug)]

@@ -139,15 +139,17 @@ impl Repair {
                 let found = pieces(grid, PiecesOf::Solid, budget_bytes, progress)?;
                 let stays = stays(&found, keep);
                 let list = found.list();
-                let is_small =
-                    |piece: u32| smaller_vx.is_none_or(|n| list[piece as usize].voxels < n);
+                let is_small = |piece: u32| {
+                    smaller_vx.is_none_or(|n| list[piece as usize].voxels < u64::from(n))
+                };
                 remove = found.voxels_of(&|piece| !stays[piece as usize] && is_small(piece));
             }
             Repair::FillCavities { smaller_vx } => {
                 let found = pieces(grid, PiecesOf::Empty, budget_bytes, progress)?;
                 let list = found.list();
-                let is_small =
-                    |piece: u32| smaller_vx.is_none_or(|n| list[piece as usize].voxels < n);
+                let is_small = |piece: u32| {
+                    smaller_vx.is_none_or(|n| list[piece as usize].voxels < u64::from(n))
+                };
                 add = found.voxels_of(&|piece| !found.reaches_border(piece) && is_small(piece));
             }
             Repair::Thicken { to_vx } => {

@@ -29,7 +29,7 @@ impl RowSpans {
         *self = RowSpans::default();
     }
 
-    /// Sets the eight rows along y for each of two steps along z, `2 * pair` and the next. All ends lie in 0..=4096; a
+    /// Sets the eight rows along y for each of two steps along z, `2 * pair` and the next. All ends lie in 0..=8192; a
     /// row where `to` is not above `from` is empty.
     #[inline(always)]
     pub fn set<S: Simd>(&mut self, simd: S, pair: usize, from: [i32x8<S>; 2], to: [i32x8<S>; 2]) {
