@@ -22,7 +22,9 @@ fn main(@builtin(position) position: vec4<f32>) -> Pixel {
     let ray = make_ray(view.origin, direction);
     let texel = min(vec2<u32>(on_map), view.size - vec2<u32>(1u));
     let start = textureLoad(starts, texel >> vec2<u32>(view.tile_log2), 0).x;
-    let seen = first_voxel(ray, vec3<i32>(view.dims), start);
+    let weights = vec3<i32>(shading.small_x, shading.small_y, shading.small_z);
+    let small = SmallBricks(weights, shading.small_least);
+    let seen = first_seen(ray, vec3<i32>(view.dims), start, small);
     if !seen.found {
         discard;
     }

@@ -47,10 +47,13 @@ mod tests {
         let mut seen = 0;
         for (i, time) in times.into_iter().enumerate() {
             let (x, y) = (i as u32 % 90, 10 + i as u32 / 90);
-            match raycast::cast(&grid, rays.origin, rays.direction(x, y)) {
+            match raycast::cast_pixel(&grid, &rays, x, y) {
                 Some(hit) => {
                     let time = f32::from_bits(time);
-                    assert!((time - hit.t).abs() <= 1e-4 * hit.t, "{time}, not {}", hit.t);
+                    // Another voxel may stand for the brick that the ray meets.
+                    let brick = 8.0 * 3f32.sqrt() / rays.direction(x, y).length();
+                    let error = (time - hit.t).abs();
+                    assert!(error <= brick + 1e-4 * hit.t, "{time}, not {}", hit.t);
                     seen += 1;
                 }
                 None => assert_eq!(time, NO_VOXEL),

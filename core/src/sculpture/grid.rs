@@ -4,7 +4,7 @@
 //! and a copy of a grid shares all nodes until one of the two changes. How bricks are stored is private to
 //! [`crate::sculpture`]. All other code asks for a brick by its coordinates or index, visits the non-empty ones, copies
 //! rows of bricks along x, or looks up words of 4^3 voxels (`read.rs`, `word_reader.rs`); what walks a whole grid walks
-//! the nodes, or spans of like bricks (`parts.rs`, `spans.rs`). Writers replace whole bricks, or edit leaves of 8^3
+//! the nodes, an octree of cubes, or spans of like bricks (`parts.rs`, `octree.rs`, `spans.rs`). Writers replace whole bricks, or edit leaves of 8^3
 //! bricks (`lend.rs`, `leaf_edit.rs`).
 //!
 //! Invariants: bits beyond `dims` are 0; voxel counts and kinds always match the bits. Knows no colour, no history, no
@@ -28,6 +28,7 @@ mod extent;
 mod leaf_edit;
 mod lend;
 mod node;
+mod octree;
 mod parts;
 mod read;
 mod reframe;
@@ -44,6 +45,7 @@ pub(in crate::sculpture) use lend::{
     ChangedLeaf, Cube, CubeEdit, LeafPlace, Lent, LentLeaf, OldLeaf,
 };
 pub(in crate::sculpture) use node::{NODE_EDGE_LOG2, Slot};
+pub(crate) use octree::{BRICK_LEVEL, OctreeBrick, OctreeCube};
 pub(crate) use parts::{
     GridPart, NodeView, box_mask, bricks_beside_empty, for_each_part, indices, surface_leaves,
     uniform_in,
