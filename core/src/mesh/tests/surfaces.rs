@@ -11,6 +11,7 @@ use crate::refusal::{MemoryBudget, OverBudget};
 use crate::scenes::{self, Random, grid_of};
 use crate::sculpture::brick::{Brick, local_index};
 use crate::sculpture::history::Contents;
+use crate::sculpture::region::VoxelBox;
 use crate::sculpture::{ColourDepth, Grid, Limits, Material, Rgb};
 
 const KINDS: [MeshKind; 3] = [MeshKind::Faces, MeshKind::Greedy, MeshKind::Smooth];
