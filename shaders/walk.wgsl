@@ -4,7 +4,7 @@
 
 //!include "bits.wgsl"
 //!include "ray.wgsl"
-//!include "small_bricks.wgsl"
+//!include "stand_in.wgsl"
 
 // The cell after `cell`, whose word is `word`. One code path for both lengths of a step, because SIMD lanes
 // execute every path that any of them takes.
@@ -43,9 +43,9 @@ fn first_within(
     loop {
         let word = word_at(seen.voxel);
         let brick = seen.voxel >> vec3<u32>(3u);
-        let exists = bit_of(word, seen.voxel);
-        whole = has_voxels(brick, !exists && is_small(small, brick));
-        seen.found = exists || whole;
+        let as_whole = is_small(small, brick);
+        whole = has_voxels(brick, as_whole);
+        seen.found = whole || (!as_whole && bit_of(word, seen.voxel));
         if seen.found {
             break;
         }

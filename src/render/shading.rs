@@ -103,7 +103,7 @@ impl Uniforms {
         self.write_seen(sets, set, surface, &SmallBricks::NONE)
     }
 
-    /// Performs [`Uniforms::write`] for a shader that finds the voxels itself.
+    /// Performs [`Uniforms::write`] for a shader that must know which bricks are hit as a whole.
     pub fn write_seen(
         &mut self,
         sets: &DescriptorSets,

@@ -78,7 +78,7 @@ fn upload(device: &Arc<Device>, maps: &mut IndexTarget, eye: u32, map: &IndexMap
 /// The depth at which a pixel's ray enters the voxel that it sees.
 fn depth_of(map: &IndexMap, eye: &Eye, grid: &Grid, x: u32, y: u32) -> Option<f32> {
     map.get(x, y)?;
-    let hit = raycast::cast(grid, map.rays.origin, map.rays.direction(x, y)).unwrap();
+    let hit = raycast::cast_pixel(grid, &map.rays, x, y).unwrap();
     let point = map.rays.origin + map.rays.direction(x, y) * hit.t;
     let clip = eye.clip_from_grid(&world_from_grid(grid)) * point.extend(1.0);
     Some(clip.z / clip.w)

@@ -1,10 +1,10 @@
-//! Bricks smaller than a pixel, which casters hit as a whole: a ray that meets one sees the voxel in which it enters, or
-//! another of the brick ([`stand_in`]). Where a voxel is as large as a pixel, no brick is that small.
+//! Bricks smaller than a pixel, which casters hit as a whole: each ray that meets one sees the same voxel of it
+//! ([`stand_in`]). Where a voxel is as large as a pixel, no brick is that small.
 //!
 //! The distances are those along the view, in which perspective shrinks things. They are compared as integers, so that
 //! CPU and device agree on every brick. Takes the rays of a picture; knows no grid.
 
-use glam::{DMat3, DVec3, IVec3, UVec3, Vec3};
+use glam::{BVec3, DMat3, DVec3, IVec3, UVec3, Vec3};
 
 use crate::sculpture::Brick;
 use crate::sculpture::brick::BRICK_EDGE_VX;
@@ -71,9 +71,7 @@ impl SmallBricks {
 /// `low`: the first one in the nearest slice along z that has any, there in the nearest row along y, and there along x.
 /// No voxel of the brick lies between it and the side of the eye on any axis.
 pub(crate) fn stand_in(brick: &Brick, low: IVec3, eye: Vec3) -> UVec3 {
-    // The side of the eye on each axis.
-    let middle = (low + BRICK_EDGE_VX as i32 / 2).as_vec3();
-    let beyond = eye.cmpge(middle);
+    let beyond = eye_beyond(low, eye);
     let first = |bits: u64, from_above: bool| match from_above {
         true => 63 - bits.leading_zeros(),
         false => bits.trailing_zeros(),
@@ -85,6 +83,19 @@ pub(crate) fn stand_in(brick: &Brick, low: IVec3, eye: Vec3) -> UVec3 {
     let y = first(slice, beyond.y) / 8;
     let x = first(slice >> (8 * y) & 0xFF, beyond.x);
     UVec3::new(x, y, z)
+}
+
+/// Returns [`stand_in`] of a brick without a gap, in a grid of `dims` voxels.
+#[inline(always)]
+pub(crate) fn full_stand_in(low: IVec3, dims: IVec3, eye: Vec3) -> UVec3 {
+    let last = (dims - 1 - low).min(IVec3::splat(BRICK_EDGE_VX as i32 - 1));
+    IVec3::select(eye_beyond(low, eye), last, IVec3::ZERO).as_uvec3()
+}
+
+/// Returns on which axes the eye lies beyond the middle of the brick with its lowest voxel at `low`.
+#[inline(always)]
+fn eye_beyond(low: IVec3, eye: Vec3) -> BVec3 {
+    eye.cmpge((low + BRICK_EDGE_VX as i32 / 2).as_vec3())
 }
 
 #[cfg(test)]

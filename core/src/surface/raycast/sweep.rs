@@ -14,7 +14,7 @@ use crate::sculpture::grid::{BRICK_LEVEL, OctreeBrick, OctreeCube};
 use crate::sculpture::{Brick, Grid, NO_VOXEL};
 use crate::surface::index_map::PixelRect;
 use crate::surface::numbering::{BrickNumbers, VoxelNamer, VoxelNumbering};
-use crate::surface::small_bricks::{SmallBricks, stand_in};
+use crate::surface::small_bricks::{SmallBricks, full_stand_in, stand_in};
 use crate::surface::tiles::{TILE_EDGE_PX, Tile};
 use crate::view::PixelRays;
 
@@ -159,13 +159,13 @@ impl<S: Simd> TileSweep<'_, S> {
         // Fetched before the first is used, so that their cache misses overlap.
         let mut bricks = [Brick::EMPTY; 8];
         let (mut wanted, mut full) = (0, 0);
-        for child in 0..8 {
+        for (child, brick) in bricks.iter_mut().enumerate() {
             let occupied = children.occupied >> child & 1 != 0;
             if occupied && self.canvas.any_open(children.rects[child]) {
                 wanted |= 1 << child;
                 match cube.brick(child) {
                     OctreeBrick::Full => full |= 1 << child,
-                    OctreeBrick::Mixed(brick) => bricks[child] = *brick,
+                    OctreeBrick::Mixed(mixed) => *brick = *mixed,
                 }
             }
         }
@@ -176,7 +176,7 @@ impl<S: Simd> TileSweep<'_, S> {
                 continue;
             } else if full >> child & 1 != 0 {
                 self.cast_full(low, BRICK_LEVEL, rect);
-            } else if self.sweep.small.contains(low / BRICK_EDGE_VX as i32) {
+            } else if self.sweep.small.contains(low >> BRICK_LEVEL) {
                 self.cast_small(&bricks[child], low, rect);
             } else {
                 self.cast_brick(&bricks[child], low, rect);
@@ -187,22 +187,26 @@ impl<S: Simd> TileSweep<'_, S> {
     /// Casts a cube without a gap for the open pixels of a rectangle.
     #[inline(always)]
     fn cast_full(&mut self, low: IVec3, level: u32, rect: TileRect) {
+        let (dims, eye) = (self.sweep.grid.dims().as_ivec3(), self.sweep.rays.origin);
+        let small = self.sweep.small;
         let mut namer = VoxelNamer::new(self.numbering);
-        self.enter(low, level, rect, |voxel| namer.number(low.as_uvec3() + voxel));
+        self.enter(low, level, rect, |entered| {
+            let voxel = low.as_uvec3() + entered;
+            let brick = voxel.as_ivec3() >> BRICK_LEVEL;
+            if !small.contains(brick) {
+                return namer.number(voxel);
+            }
+            let low = brick << BRICK_LEVEL;
+            namer.number(low.as_uvec3() + full_stand_in(low, dims, eye))
+        });
     }
 
     /// Casts a brick smaller than a pixel for the open pixels of a rectangle.
     #[inline(always)]
     fn cast_small(&mut self, brick: &Brick, low: IVec3, rect: TileRect) {
-        let eye = self.sweep.rays.origin;
+        let voxel = low.as_uvec3() + stand_in(brick, low, self.sweep.rays.origin);
         let mut namer = VoxelNamer::new(self.numbering);
-        self.enter(low, BRICK_LEVEL, rect, |entered| {
-            let voxel = match brick.get(entered.x, entered.y, entered.z) {
-                true => entered,
-                false => stand_in(brick, low, eye),
-            };
-            namer.number(low.as_uvec3() + voxel)
-        });
+        self.enter(low, BRICK_LEVEL, rect, |_| namer.number(voxel));
     }
 
     /// Gives the open pixels of a rectangle that see a cube the numbers of the voxels by which their rays enter it,

@@ -60,17 +60,16 @@ impl<'a> Walk<'a> {
                 Some(level) => level,
                 None => {
                     let cell = self.cell.as_uvec3();
-                    let local = local_index(cell.x & 7, cell.y & 7, cell.z & 7);
                     let brick = self.brick();
+                    if small.contains(self.cell >> BRICK) {
+                        let low = self.cell & -(BRICK_EDGE_VX as i32);
+                        let voxel = low.as_uvec3() + stand_in(brick, low, self.ray.origin);
+                        return Some((voxel, self.event));
+                    }
+                    let local = local_index(cell.x & 7, cell.y & 7, cell.z & 7);
                     let word = brick.words[(local >> 6) as usize];
                     if word >> (local & 63) & 1 != 0 {
                         return Some((cell, self.event));
-                    }
-                    let edge = BRICK_EDGE_VX as i32;
-                    if small.contains(self.cell >> BRICK) {
-                        let low = self.cell & -edge;
-                        let voxel = low.as_uvec3() + stand_in(brick, low, self.ray.origin);
-                        return Some((voxel, self.event));
                     }
                     if word == 0 { WORD } else { VOXEL }
                 }
