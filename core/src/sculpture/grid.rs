@@ -25,6 +25,7 @@ use crate::refusal::{InvalidValue, MemoryBudget, OverBudget};
 
 mod build;
 mod extent;
+mod layers;
 mod leaf_edit;
 mod lend;
 mod node;
@@ -39,6 +40,7 @@ mod word_reader;
 
 pub(crate) use build::BrickRun;
 pub(in crate::sculpture) use extent::Extent;
+pub(crate) use layers::{GridLayers, LeafRow};
 pub(in crate::sculpture) use leaf_edit::LeafEdit;
 use leaf_edit::row_of;
 pub(in crate::sculpture) use lend::{
@@ -58,6 +60,8 @@ pub use word_reader::WordReader;
 
 /// The logarithm of the edge of a leaf of the tree, in bricks.
 pub(crate) const LEAF_EDGE_LOG2: u32 = NODE_EDGE_LOG2;
+/// The edge of a leaf, in voxels.
+pub(crate) const LEAF_EDGE_VX: u32 = BRICK_EDGE_VX << LEAF_EDGE_LOG2;
 /// Longest axis of a grid, in voxels.
 pub const MAX_AXIS_VX: u32 = 8192;
 /// Marks "no voxel" in an index map.

@@ -78,7 +78,7 @@ impl MeshStudy {
     ) -> Result<Outlook, FormatError> {
         let depth = voxel::colour_depth(options)?;
         let frame = self.frame(options)?;
-        Grid::check(frame.dims, frame.voxel_size, limits.grid_bytes)?;
+        Grid::check_size(frame.dims, frame.voxel_size)?;
         let voxels = frame.dims.as_u64vec3().element_product();
         let coloured = self.has_colours && options.colouring != Colouring::None;
         Ok(Outlook {
