@@ -78,7 +78,7 @@ fn upload(device: &Arc<Device>, maps: &mut IndexTarget, eye: u32, map: &IndexMap
 /// The depth at which a pixel's ray enters the voxel that it sees, or a brick that it sees as a whole, with the largest
 /// relative error.
 fn depth_of(map: &IndexMap, eye: &Eye, grid: &Grid, x: u32, y: u32) -> Option<(f32, f32)> {
-    let voxel = map.get(x, y)?;
+    let voxel = map.voxel(x, y)?;
     let mut hit = raycast::cast_pixel(grid, &map.rays, x, y).unwrap();
     let first = raycast::cast(grid, map.rays.origin, map.rays.direction(x, y));
     let mut error = 1e-4;
