@@ -17,8 +17,12 @@ use sculpture_core::sculpture::history::Contents;
 const DIMS: UVec3 = UVec3::new(150, 70, 130);
 
 /// Less than the volume and what is made of it need in memory.
-const NARROW: Limits =
-    Limits { grid_bytes: 1 << 20, colour_bytes: 3 << 20, history_bytes: 0, history_disk_bytes: 0 };
+const NARROW: Limits = Limits {
+    grid_bytes: 512 << 10,
+    colour_bytes: 2 << 20,
+    history_bytes: 0,
+    history_disk_bytes: 0,
+};
 
 /// The values of a volume: balls of rising density, with a trace of noise.
 fn values() -> Vec<u16> {
@@ -35,7 +39,7 @@ fn values() -> Vec<u16> {
                 let inside = balls.map(|(x, y, z, r)| r - at.distance(Vec3::new(x, y, z)));
                 let depth = inside.into_iter().fold(f32::MIN, f32::max).max(0.0);
                 let noise = (x * 7 + y * 31 + z * 17) % 5;
-                values.push(if depth > 0.0 { 1000 + 40 * depth as u16 } else { noise as u16 });
+                values.push(if depth > 0.0 { 1000 + (40.0 * depth) as u16 } else { noise as u16 });
             }
         }
     }
@@ -241,7 +245,7 @@ fn volumes_in_their_files_are_refused_when_they_are_cut_short_or_too_rugged() {
     assert!(matches!(load(&torn, &plain, &NARROW), Err(FormatError::Malformed { .. })));
     // Every brick is mixed.
     let noise: Vec<u16> =
-        (0..DIMS.element_product()).map(|i| ((i * 7919) % 13 % 2) as u16).collect();
+        (0..DIMS.element_product()).map(|i| (i.wrapping_mul(7919) % 13 % 2) as u16).collect();
     let header = nrrd(&format!("{SIZES}encoding: raw\nendian: little\n"));
     let rugged = folder.write("rugged.nrrd", &[&header, &little(&noise)]);
     let options = ImportOptions { existence: Existence::Threshold(1.0), ..plain };

@@ -216,7 +216,7 @@ fn impossible_meshes_and_sizes_are_refused_before_memory_is_taken() {
         Err(VoxeliseError::OverBudget(OverBudget { budget: MemoryBudget::GridsAndColours, .. }))
     ));
     assert!(matches!(
-        run_within(&frame, 1 << 20),
+        run_within(&frame, 1 << 24),
         Err(VoxeliseError::OverBudget(OverBudget { budget: MemoryBudget::Grids, .. }))
     ));
     let huge = around(&mesh, MeshSize::VoxelMm(1e-6)).unwrap();
