@@ -74,6 +74,9 @@ pub struct LayeredVolume {
     low: UVec3,
 }
 
+/// Receives the z of the first and the bytes of some layers.
+type TakeLayers<'a> = &'a mut dyn FnMut(u32, &[u8]) -> Result<(), FormatError>;
+
 /// How many layers a reader takes at once.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Portions {
@@ -147,12 +150,12 @@ impl LayeredVolume {
         }
     }
 
-    /// Reads all layers in order. `f` receives the z of the first and the bytes of some layers.
+    /// Reads all layers in order.
     pub fn for_each(
         &self,
         portions: Portions,
         progress: &dyn Progress,
-        f: &mut dyn FnMut(u32, &[u8]) -> Result<(), FormatError>,
+        f: TakeLayers,
     ) -> Result<(), FormatError> {
         let StoredVoxels { number, is_big, scale, .. } = self.stored;
         let mut converted = Vec::new();
@@ -171,7 +174,7 @@ impl LayeredVolume {
         &self,
         portions: Portions,
         progress: &dyn Progress,
-        f: &mut dyn FnMut(u32, &[u8]) -> Result<(), FormatError>,
+        f: TakeLayers,
     ) -> Result<(), FormatError> {
         let bytes = self.stored.number.bytes();
         let layer_bytes = u64::from(self.whole.x) * u64::from(self.whole.y) * bytes;

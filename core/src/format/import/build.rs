@@ -30,6 +30,8 @@ const PAINT_BATCH: usize = 1 << 13;
 /// Writes the colours of the voxels of a brick, given by its lowest corner, to the packed ones of all its voxels. Called
 /// through a pointer once per brick, so that the parallel loops are compiled once and not per voxel type.
 type FillPage<'a> = &'a (dyn Fn(UVec3, &Brick, &mut [u8]) + Sync);
+/// The same from the layers of a row of bricks, and the z of the first of them.
+type FillFromLayers<'a> = &'a (dyn Fn(&[u8], u32, UVec3, &Brick, &mut [u8]) + Sync);
 
 impl VolumeImport<'_> {
     /// Makes a sculpture of the voxels for which `exists` holds, in the colours that `colour` gives them.
@@ -209,13 +211,13 @@ impl VolumeImport<'_> {
         Ok(painted)
     }
 
-    /// Returns the colours of a volume in its files. `fill` receives the layers of a row of bricks, and the first of them.
+    /// Returns the colours of a volume in its files.
     fn layered_colours(
         &self,
         volume: &LayeredVolume,
         grid: &Grid,
         mut painted: Material,
-        fill: &(dyn Fn(&[u8], u32, UVec3, &Brick, &mut [u8]) + Sync),
+        fill: FillFromLayers,
     ) -> Result<Material, FormatError> {
         let blank = painted.base_page();
         let (depth, page_bytes) = (painted.depth(), painted.page_bytes());

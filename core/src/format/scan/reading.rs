@@ -96,11 +96,12 @@ impl Reading<'_> {
     /// Returns an error if no grid can hold the result of such a volume.
     pub(crate) fn admit(&self, dims: UVec3, voxel_size: Vec3) -> Result<(), FormatError> {
         let (dims, voxel_size) = prepare::prepared(dims, voxel_size, self.options)?;
-        Ok(match self.in_layers {
+        match self.in_layers {
             // Its bits are counted as they come.
             true => Grid::check_size(dims, voxel_size)?,
             false => Grid::check(dims, voxel_size, self.limits.grid_bytes)?,
-        })
+        }
+        Ok(())
     }
 
     /// Returns the volume to read from a file with so many times and one channel.
