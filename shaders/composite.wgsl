@@ -1,9 +1,9 @@
 // Draws the shaded sculpture over the target, with the depth of its surface, so that it occludes what is drawn
-// later. The depth is where the pixel's ray enters the box of the voxel that it sees. The voxels of a large sculpture
+// later. The depth is where the pixel's ray enters the voxel that it sees. The voxels of a large sculpture
 // have no linear index: the map has the time of entry in its place.
 
 //!include "layout.wgsl"
-//!include "ray.wgsl"
+//!include "entry.wgsl"
 //!include "places.wgsl"
 
 var<immediate> view: CompositeView;
@@ -27,8 +27,8 @@ fn main(@builtin(position) position: vec4<f32>) -> Pixel {
     let low = voxel_of(voxel, max(view.dims, vec3<u32>(1u)));
     let centre = vec2<f32>(texel) + 0.5;
     let ray = make_ray(view.origin, view.corner + view.step_x * centre.x + view.step_y * centre.y);
-    let enter = crossings(ray, select(low + vec3<i32>(1), low, ray.forward));
-    let t = select(max(max(enter.x, enter.y), enter.z), bitcast<f32>(voxel), view.dims.x == 0u);
+    let enter = entry_time(ray, low, across_view(view.corner, view.step_x, view.step_y));
+    let t = select(enter, bitcast<f32>(voxel), view.dims.x == 0u);
     // An eye inside the voxel sees it at the near plane.
     let depth = select(1.0, (view.depth_slope * t + view.depth_at_0) / t, t > 0.0);
     let colour = stored(textureLoad(picture, texel, 0).xyz);

@@ -3,6 +3,7 @@
 
 //!include "layout.wgsl"
 //!include "march.wgsl"
+//!include "entry.wgsl"
 //!include "surface.wgsl"
 //!include "encoding.wgsl"
 
@@ -22,15 +23,15 @@ fn main(@builtin(position) position: vec4<f32>) -> Pixel {
     let ray = make_ray(view.origin, direction);
     let texel = min(vec2<u32>(on_map), view.size - vec2<u32>(1u));
     let start = textureLoad(starts, texel >> vec2<u32>(view.tile_log2), 0).x;
-    let seen = first_voxel(ray, vec3<i32>(view.dims), start);
+    let weights = vec3<i32>(shading.small_x, shading.small_y, shading.small_z);
+    let small = SmallBricks(weights, shading.small_least);
+    let seen = first_seen(ray, vec3<i32>(view.dims), start, small);
     if !seen.found {
         discard;
     }
-    let low = seen.voxel;
-    let enter = crossings(ray, select(low + vec3<i32>(1), low, ray.forward));
-    let t = max(max(enter.x, enter.y), enter.z);
+    let t = entry_time(ray, seen.voxel, across_view(view.corner, view.step_x, view.step_y));
     // An eye inside the voxel sees it at the near plane.
     let depth = select(1.0, (view.depth_slope * t + view.depth_at_0) / t, t > 0.0);
-    let colour = decoded(shaded(low, NO_NORMAL), view.linear != 0u);
+    let colour = decoded(shaded(seen.voxel, NO_NORMAL), view.linear != 0u);
     return Pixel(vec4<f32>(colour, 1.0), clamp(depth, 0.0, 1.0));
 }

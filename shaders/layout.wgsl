@@ -9,9 +9,13 @@ struct SliceView {
     step_x: vec3<f32>,
     margin_px: f32,
     step_y: vec3<f32>,
+    small_least: i32,
     clip_x: vec3<f32>,
+    small_x: i32,
     clip_y: vec3<f32>,
+    small_y: i32,
     clip_w: vec3<f32>,
+    small_z: i32,
     dims: vec3<u32>,
 }
 
@@ -46,6 +50,8 @@ struct MarchView {
     step_y: vec3<f32>,
     sample: u32,
     dims: vec3<u32>,
+    small_least: i32,
+    small_weights: vec3<i32>,
 }
 
 struct Shading {
@@ -60,14 +66,18 @@ struct Shading {
     dims: vec3<u32>,
     tone_floor: f32,
     bricks: vec3<u32>,
+    small_least: i32,
     ambient_slope: vec3<f32>,
     sun_light: u32,
     up: vec3<f32>,
     sun_sample: u32,
     tone: vec4<f32>,
     sun_towards: vec3<f32>,
+    small_x: i32,
     sun_right: vec3<f32>,
+    small_y: i32,
     sun_up: vec3<f32>,
+    small_z: i32,
 }
 
 struct StereoView {

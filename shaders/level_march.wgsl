@@ -190,7 +190,7 @@ fn surface_along(ray: Ray, cells: vec3<i32>, start: f32, number: f32) -> OnSurfa
         if !seen.found {
             break;
         }
-        seen = first_from(ray, cells, seen.voxel);
+        seen = first_within(ray, seen.voxel, vec3<i32>(0), cells, NO_SMALL_BRICKS);
         if !seen.found {
             break;
         }

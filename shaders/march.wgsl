@@ -4,11 +4,6 @@
 //!include "walk.wgsl"
 //!include "tile.wgsl"
 
-struct Seen {
-    voxel: vec3<i32>,
-    found: bool,
-}
-
 // The voxel in which the ray is at `start`, or enters a grid of `dims` voxels after it; none if it misses the grid.
 fn entered(ray: Ray, dims: vec3<i32>, start: f32) -> Seen {
     let zero = vec3<i32>(0);
@@ -22,28 +17,16 @@ fn entered(ray: Ray, dims: vec3<i32>, start: f32) -> Seen {
     return Seen(cell_after(ray, enter, zero, dims), true);
 }
 
-// The first existing voxel along the ray from the voxel `first` on.
-fn first_from(ray: Ray, dims: vec3<i32>, first: vec3<i32>) -> Seen {
-    var seen = Seen(first, false);
-    loop {
-        let word = word_at(seen.voxel);
-        if bit_of(word, seen.voxel) {
-            seen.found = true;
-            break;
-        }
-        seen.voxel = next_cell(ray, seen.voxel, word);
-        if any(vec3<u32>(seen.voxel) >= vec3<u32>(dims)) {
-            break;
-        }
-    }
-    return seen;
-}
-
 // The first existing voxel along the ray in a grid of `dims` voxels; there is none before `start`.
 fn first_voxel(ray: Ray, dims: vec3<i32>, start: f32) -> Seen {
+    return first_seen(ray, dims, start, NO_SMALL_BRICKS);
+}
+
+// The same in a picture with bricks that are hit as a whole.
+fn first_seen(ray: Ray, dims: vec3<i32>, start: f32, small: SmallBricks) -> Seen {
     var seen = entered(ray, dims, start);
     if seen.found {
-        seen = first_from(ray, dims, seen.voxel);
+        seen = first_within(ray, seen.voxel, vec3<i32>(0), dims, small);
     }
     return seen;
 }

@@ -1,5 +1,6 @@
-// Keeps the pixels of a point's triangle whose rays meet the voxel's box, by the same order of crossings as the
-// ray caster, so that neighbouring points meet without gap or overlap at any distance.
+// Keeps the pixels of a point's triangle whose rays meet the box of its voxel, or of the brick that it stands for, by
+// the same order of crossings as the ray caster, so that neighbouring points meet without gap or overlap at any
+// distance.
 
 //!include "layout.wgsl"
 //!include "ray.wgsl"
@@ -15,14 +16,14 @@ struct Pixel {
 @fragment
 fn main(
     @builtin(position) position: vec4<f32>,
-    @location(0) @interpolate(flat) voxel: vec3<i32>,
-    @location(1) @interpolate(flat) colour: vec3<f32>,
+    @location(0) @interpolate(flat) low: vec3<i32>,
+    @location(1) @interpolate(flat) high: vec3<i32>,
+    @location(2) @interpolate(flat) colour: vec3<f32>,
 ) -> Pixel {
     let at = position.xy - vec2<f32>(view.left, view.upper);
     let ray = make_ray(view.origin, view.corner + view.step_x * at.x + view.step_y * at.y);
-    let high = voxel + vec3<i32>(1);
-    let enter = last_of(crossings(ray, select(high, voxel, ray.forward)));
-    if any(before(crossings(ray, select(voxel, high, ray.forward)), enter)) {
+    let enter = last_of(crossings(ray, select(high, low, ray.forward)));
+    if any(before(crossings(ray, select(low, high, ray.forward)), enter)) {
         discard;
     }
     // An eye inside the voxel sees it at the near plane.

@@ -22,23 +22,12 @@ fn main(
     if any(before(crossings(ray, select(low, high, ray.forward)), enter)) {
         discard;
     }
-    var cell = cell_after(ray, enter, low, high);
-    let size = vec3<u32>(high - low);
-    var found = false;
-    loop {
-        let word = word_at(cell);
-        if bit_of(word, cell) {
-            found = true;
-            break;
-        }
-        cell = next_cell(ray, cell, word);
-        if any(vec3<u32>(cell - low) >= size) {
-            break;
-        }
-    }
-    if !found {
+    let first = cell_after(ray, enter, low, high);
+    let weights = vec3<i32>(view.small_x, view.small_y, view.small_z);
+    let seen = first_within(ray, first, low, high, SmallBricks(weights, view.small_least));
+    if !seen.found {
         discard;
     }
-    let voxel = vec3<u32>(cell);
+    let voxel = vec3<u32>(seen.voxel);
     return voxel.x + view.dims.x * (voxel.y + view.dims.y * voxel.z);
 }

@@ -19,6 +19,7 @@ mod frozen;
 mod fuzz;
 mod independent;
 mod journal;
+mod layered;
 #[cfg(target_os = "linux")]
 mod memory;
 mod meshes_in;

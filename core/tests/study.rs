@@ -157,7 +157,7 @@ fn a_mesh_lies_in_the_grid_that_it_gets() {
     {
         let options = ImportOptions { mesh_size, upright, ..ImportOptions::default() };
         let made = load(&path, &options);
-        let outlook = mesh.outlook(&options, &Limits::default()).unwrap();
+        let outlook = mesh.outlook(&options).unwrap();
         assert_eq!((outlook.dims, outlook.voxel_size), (made.grid.dims(), made.grid.voxel_size()));
         let frame = mesh.frame(&options).unwrap();
         let reach = outlook.dims.as_vec3() + 1e-2;
@@ -176,7 +176,7 @@ fn a_mesh_lies_in_the_grid_that_it_gets() {
         assert!(share > 0.99, "{share}");
     }
     let huge = ImportOptions { mesh_size: MeshSize::VoxelMm(1e-5), ..ImportOptions::default() };
-    assert!(mesh.outlook(&huge, &Limits::default()).is_err());
+    assert!(mesh.outlook(&huge).is_err());
 }
 
 /// Returns an L of seven voxels in a grid of 4 x 3 x 2, two of them of another colour.

@@ -41,17 +41,18 @@ shared! {
         margin_px: f32,
         /// Change of direction per pixel downwards.
         step_y: [f32; 3],
-        pad_0: u32,
+        /// The bricks that are hit as a whole ([`crate::surface::SmallBricks`]).
+        small_least: i32,
         /// Clip coordinates of a point p are these times `p - origin`.
         clip_x: [f32; 3],
-        pad_1: u32,
+        small_x: i32,
         clip_y: [f32; 3],
-        pad_2: u32,
+        small_y: i32,
         clip_w: [f32; 3],
-        pad_3: u32,
+        small_z: i32,
         /// Size of the grid in voxels.
         dims: [u32; 3],
-        pad_4: u32,
+        pad_0: u32,
     }
 }
 
@@ -114,6 +115,9 @@ shared! {
         sample: u32,
         /// Size of the grid in voxels.
         dims: [u32; 3],
+        /// The bricks that are hit as a whole ([`crate::surface::SmallBricks`]).
+        small_least: i32,
+        small_weights: [i32; 3],
         pad_0: u32,
     }
 }
@@ -142,7 +146,8 @@ shared! {
         tone_floor: f32,
         /// Size of the grid in bricks.
         bricks: [u32; 3],
-        pad_0: u32,
+        /// The bricks that are hit as a whole ([`crate::surface::SmallBricks`]).
+        small_least: i32,
         /// Additional ambient light on a surface that faces the sky.
         ambient_slope: [f32; 3],
         /// The light that casts shadows; all ones for none.
@@ -155,11 +160,11 @@ shared! {
         tone: [f32; 4],
         /// Direction to the middle of the sun's disc, and from there to its edge, in grid coordinates.
         sun_towards: [f32; 3],
-        pad_1: u32,
+        small_x: i32,
         sun_right: [f32; 3],
-        pad_2: u32,
+        small_y: i32,
         sun_up: [f32; 3],
-        pad_3: u32,
+        small_z: i32,
     }
 }
 

@@ -91,8 +91,7 @@ pub fn voxel_at(map: &IndexMap, grid: &Grid, at: Vec2) -> Option<UVec3> {
     if map.is_known() {
         return map.voxel(x, y);
     }
-    let hit = raycast::cast(grid, map.rays.origin, map.rays.direction(x, y))?;
-    Some(hit.voxel)
+    Some(raycast::cast_pixel(grid, &map.rays, x, y)?.voxel)
 }
 
 /// Returns a map of the present picture that is independent of later changes of the grid.

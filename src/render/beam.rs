@@ -15,7 +15,7 @@ use crate::gpu::{
     DescriptorSets, Device, EyeImage, FRAMES_IN_FLIGHT, Image, Load, PipelineLayout, Recorder,
     ResourceUse, Result, SetLayout, shaders,
 };
-use crate::surface::PixelRect;
+use crate::surface::{PixelRect, SmallBricks};
 use crate::view::PixelRays;
 
 /// Binary logarithm of the edge of a tile in pixels. Larger tiles need fewer beams, but sooner
@@ -119,6 +119,7 @@ impl Beams {
 
 /// Returns the push constants of passes that follow `rays` through `volume`.
 pub(super) fn march_view(rays: &PixelRays, volume: &Volume) -> MarchView {
+    let small = SmallBricks::new(rays);
     MarchView {
         origin: rays.origin.to_array(),
         width: rays.size.x,
@@ -128,6 +129,8 @@ pub(super) fn march_view(rays: &PixelRays, volume: &Volume) -> MarchView {
         tile_log2: TILE_LOG2,
         step_y: rays.step_y.to_array(),
         dims: volume.dims().to_array(),
+        small_least: small.least,
+        small_weights: small.weights.to_array(),
         ..MarchView::default()
     }
 }

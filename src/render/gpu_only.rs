@@ -19,6 +19,7 @@ use super::shading::{
 use super::specialised::Specialised;
 use crate::gpu::layout::CompositeView;
 use crate::gpu::{Depth, Device, Graphics, Pipeline, Recorder, Result, shaders};
+use crate::surface::SmallBricks;
 use crate::view::PixelRays;
 
 /// The binding of the beams' image.
@@ -94,7 +95,8 @@ impl GpuOnly {
         ];
         self.screen.write_inputs(eye, inputs);
         let set = self.screen.set(eye);
-        self.uniforms.write(self.screen.sets(), set, surface)?;
+        let small = SmallBricks::new(&view.rays);
+        self.uniforms.write_seen(self.screen.sets(), set, surface, &small)?;
         self.uniforms.write_surface(self.screen.sets(), set, surface);
         let pipeline = self.pipelines.get(surface.kind(), |constants| {
             let pass = self.screen.graphics(shaders::GPU_ONLY_FRAG, Depth::OVERWRITE);

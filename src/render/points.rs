@@ -1,6 +1,7 @@
 //! The points pass: one lit point for each visible voxel.
 //!
-//! A point covers the pixels whose rays meet its voxel's box, so it has no size to be rounded. Up close, points leave
+//! A point covers the pixels whose rays meet the box of its voxel, or of the brick that it stands for where bricks are
+//! smaller than pixels, so it has no size to be rounded. Up close, points leave
 //! no gaps. Far away, they change from frame to frame only with the voxels. The picture equals that of the software
 //! shader.
 //!
@@ -21,6 +22,7 @@ use crate::gpu::{
     BufferRange, Depth, Device, GpuError, Graphics, Pipeline, Recorder, Result, Staging, shaders,
 };
 use crate::shade::points::PointCloud;
+use crate::surface::SmallBricks;
 
 /// The binding of the points.
 const POINTS: u32 = 6;
@@ -104,7 +106,7 @@ impl PointsPass {
         let linear = self.screen.is_linear();
         let Some(point_view) = point_view(view, self.margin_px, linear) else { return Ok(()) };
         let (sets, set) = (self.screen.sets(), self.screen.set(eye));
-        self.uniforms.write(sets, set, surface)?;
+        self.uniforms.write_seen(sets, set, surface, &SmallBricks::new(&view.rays))?;
         let kind = vk::DescriptorType::STORAGE_BUFFER;
         sets.write_buffer(set, POINTS, kind, piece);
         let pipeline = self.pipelines.get(surface.kind(), |constants| {

@@ -18,6 +18,7 @@ use crate::render::{DeviceColours, Normals};
 use crate::sculpture::Rgb;
 use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::shade::{Illumination, LightSource, Lighting, Look, Matcap, ShadePose};
+use crate::surface::SmallBricks;
 
 /// Bindings that the shaders of these passes share (shaders/lighting.wgsl and the others).
 pub(super) const VOLUME: u32 = 0;
@@ -99,7 +100,21 @@ impl Uniforms {
 
     /// Uploads the uniforms of `surface` and binds them to `set`, with the matcap if it has one.
     pub fn write(&mut self, sets: &DescriptorSets, set: usize, surface: &LitSurface) -> Result<()> {
-        let piece: BufferRange = self.staging.push(&[uniforms(surface)], self.align)?;
+        self.write_seen(sets, set, surface, &SmallBricks::NONE)
+    }
+
+    /// Performs [`Uniforms::write`] for a shader that must know which bricks are hit as a whole.
+    pub fn write_seen(
+        &mut self,
+        sets: &DescriptorSets,
+        set: usize,
+        surface: &LitSurface,
+        small: &SmallBricks,
+    ) -> Result<()> {
+        let [small_x, small_y, small_z] = small.weights.to_array();
+        let small_least = small.least;
+        let uniforms = Shading { small_least, small_x, small_y, small_z, ..uniforms(surface) };
+        let piece: BufferRange = self.staging.push(&[uniforms], self.align)?;
         let kind = vk::DescriptorType::UNIFORM_BUFFER;
         sets.write_buffer(set, UNIFORMS, kind, piece);
         let matcap = match surface.lighting.look {

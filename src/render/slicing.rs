@@ -17,6 +17,7 @@ use crate::gpu::{
     Recorder, Result, SetLayout, Staging, Vertices, shaders,
 };
 use crate::render::{EyeTask, IndexTarget, Volume};
+use crate::surface::SmallBricks;
 use crate::surface::slices::{LayerRect, SliceAreas, SliceLayers, facing_axis};
 use crate::view::PixelRays;
 
@@ -178,6 +179,7 @@ fn slice_view(
     margin_px: f32,
 ) -> Option<SliceView> {
     let [clip_x, clip_y, clip_w] = clip_rows(rays)?.map(|row| row.to_array());
+    let SmallBricks { weights, least } = SmallBricks::new(rays);
     Some(SliceView {
         origin: rays.origin.to_array(),
         axis: axis as u32,
@@ -186,9 +188,13 @@ fn slice_view(
         step_x: rays.step_x.to_array(),
         margin_px,
         step_y: rays.step_y.to_array(),
+        small_least: least,
         clip_x,
+        small_x: weights.x,
         clip_y,
+        small_y: weights.y,
         clip_w,
+        small_z: weights.z,
         dims: volume.dims().to_array(),
         ..SliceView::default()
     })

@@ -1,5 +1,6 @@
 //! The histogram of a volume's densities.
 
+use std::convert::Infallible;
 use std::ops::Range;
 
 use rayon::prelude::*;
@@ -63,6 +64,20 @@ fn count_all<T: Sync>(voxels: &[T], count: usize, bin: impl Fn(&T) -> usize + Sy
     })
 }
 
+/// Counts as [`count_all`] does, from voxels that `each` gives portion by portion.
+fn count_portions<T: Sync, E>(
+    each: &impl Fn(&mut dyn FnMut(&[T])) -> Result<(), E>,
+    count: usize,
+    bin: impl Fn(&T) -> usize + Sync,
+) -> Result<Vec<u64>, E> {
+    let mut sum = vec![0; count];
+    each(&mut |voxels| {
+        let counts = count_all(voxels, count, &bin);
+        sum.iter_mut().zip(counts).for_each(|(a, b)| *a += b);
+    })?;
+    Ok(sum)
+}
+
 /// Frequencies of densities.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Histogram {
@@ -97,12 +112,39 @@ impl Histogram {
         value: impl Fn(&[u8; B]) -> f32 + Sync,
         values: SampleRange,
     ) -> Histogram {
+        let whole = |f: &mut dyn FnMut(&[[u8; B]])| {
+            f(voxels);
+            Ok::<(), Infallible>(())
+        };
+        match Histogram::of_portions(whole, value, values) {
+            Ok(histogram) => histogram,
+            Err(never) => match never {},
+        }
+    }
+
+    /// Counts as [`Histogram::of`] does, from voxels that `each` gives portion by portion, as often as it is called.
+    pub fn of_portions<const B: usize, E>(
+        each: impl Fn(&mut dyn FnMut(&[[u8; B]])) -> Result<(), E>,
+        value: impl Fn(&[u8; B]) -> f32 + Sync,
+        values: SampleRange,
+    ) -> Result<Histogram, E> {
         match values {
             SampleRange::Whole { first, count } => {
-                let bins = count_all(voxels, count, |v| (value(v) as i32 - first) as usize);
-                Histogram::of_whole(bins, first)
+                let bin = |v: &[u8; B]| (value(v) as i32 - first) as usize;
+                Ok(Histogram::of_whole(count_portions(&each, count, bin)?, first))
             }
-            SampleRange::Any => Histogram::of_any(voxels, value),
+            SampleRange::Any => {
+                let widen = |(min, max): (f32, f32), v: f32| (min.min(v), max.max(v));
+                let (mut min, mut max) = NO_RANGE;
+                each(&mut |voxels| {
+                    let range = range_of_chunks(voxels.len(), &|chunk| {
+                        let values = voxels[chunk].iter().map(&value);
+                        values.filter(|v| v.is_finite()).fold(NO_RANGE, widen)
+                    });
+                    (min, max) = (min.min(range.0), max.max(range.1));
+                })?;
+                Histogram::of_range((min, max), &each, &value)
+            }
         }
     }
 
@@ -116,28 +158,26 @@ impl Histogram {
         Histogram { min: number(least), max: number(most), bins, bin_width: 1.0 }
     }
 
-    fn of_any<const B: usize>(
-        voxels: &[[u8; B]],
-        value: impl Fn(&[u8; B]) -> f32 + Sync,
-    ) -> Histogram {
-        let widen = |(min, max): (f32, f32), v: f32| (min.min(v), max.max(v));
-        let (min, max) = range_of_chunks(voxels.len(), &|chunk| {
-            voxels[chunk].iter().map(&value).filter(|v| v.is_finite()).fold(NO_RANGE, widen)
-        });
+    /// Counts the finite values, which lie in a range.
+    fn of_range<const B: usize, E>(
+        (min, max): (f32, f32),
+        each: &impl Fn(&mut dyn FnMut(&[[u8; B]])) -> Result<(), E>,
+        value: &(impl Fn(&[u8; B]) -> f32 + Sync),
+    ) -> Result<Histogram, E> {
         if min > max {
-            return Histogram::EMPTY;
+            return Ok(Histogram::EMPTY);
         }
         let range = f64::from(max) - f64::from(min);
         let (count, bin_width) =
             if range == 0.0 { (1, 1.0) } else { (FINE_BINS, range / (FINE_BINS - 1) as f64) };
         // Non-finite values are counted in a bin of their own, which is then dropped.
-        let mut bins = count_all(voxels, count + 1, |v| {
+        let mut bins = count_portions(each, count + 1, |v| {
             let v = value(v);
             let bin = ((f64::from(v) - f64::from(min)) / bin_width) as usize;
             if v.is_finite() { bin.min(count - 1) } else { count }
-        });
+        })?;
         bins.truncate(count);
-        Histogram { min, max, bins, bin_width }
+        Ok(Histogram { min, max, bins, bin_width })
     }
 
     const EMPTY: Histogram = Histogram { min: 0.0, max: 0.0, bins: Vec::new(), bin_width: 1.0 };

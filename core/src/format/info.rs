@@ -6,7 +6,9 @@ use std::path::Path;
 
 use glam::{UVec3, Vec3};
 
+use super::import::VolumeView;
 use super::options::{ExportForm, ImportOptions};
+use super::scan::Reading;
 use super::spec::{Format, Import};
 use super::{
     FileMetadata, FormatError, Histogram, Samples, Signature, Texts, Volume, Volumes, content,
@@ -55,9 +57,19 @@ pub struct Densities {
 impl Densities {
     /// Computes the statistics of a volume of densities; `None` for one of colours.
     pub fn of(volume: &Volume) -> Option<Densities> {
-        let histogram = import::histogram(volume)?;
-        let threshold = threshold::automatic(&histogram);
-        Some(Densities { histogram, threshold })
+        Densities::of_view(&VolumeView::from(volume), &()).ok().flatten()
+    }
+
+    /// Computes the statistics of a volume that may be in its files, which are read for it.
+    fn of_view(
+        volume: &VolumeView,
+        progress: &dyn Progress,
+    ) -> Result<Option<Densities>, FormatError> {
+        let histogram = import::histogram(volume, progress)?;
+        Ok(histogram.map(|histogram| {
+            let threshold = threshold::automatic(&histogram);
+            Densities { histogram, threshold }
+        }))
     }
 }
 
@@ -139,7 +151,9 @@ fn info_as(
         }
         Import::Sculpture | Import::Volume(_) | Import::Scan(_) => {}
     }
-    let (volume, source) = open_volume(format, path, options, limits, progress)?;
+    let reading = Reading { path, options, limits, progress, in_layers: true };
+    let (volume, source) = open_volume(format, &reading)?;
+    let volume = import::VolumeView::of(&volume);
     let orientation = source.frame.describe();
     let FileMetadata { kind, file_bytes, volumes, notes, .. } = source;
     Ok(Info {
@@ -148,12 +162,12 @@ fn info_as(
         dims: volume.dims,
         voxel_size: volume.voxel_size,
         samples: Some(volume.samples),
-        densities: Densities::of(&volume),
-        signature: import::trusted_signature(&volume),
+        densities: Densities::of_view(&volume, progress)?,
+        signature: import::trusted_signature(volume.texts, volume.samples),
         orientation,
         volumes,
         notes,
-        texts: volume.texts,
+        texts: volume.texts.clone(),
     })
 }
 

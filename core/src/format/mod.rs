@@ -20,6 +20,7 @@ pub mod history;
 mod import;
 mod info;
 mod labels;
+mod layered;
 mod limits;
 mod list;
 mod mesh_in;
@@ -62,7 +63,7 @@ use self::options::{Colouring, Existence, ExportForm, ExportOptions, ImportOptio
 pub use self::options::{MeshOptions, MeshUp};
 pub use self::picture::{load_matcap, load_picture, load_picture_file, picture_of};
 pub use self::scan::base64;
-use self::scan::{Reading, Scan};
+use self::scan::{Reading, Scan, ScanVolume};
 pub use self::signature::Signature;
 use self::spec::{Export, Format, Import};
 pub use self::study::{
@@ -165,12 +166,14 @@ fn load_as(
         }
         Import::Volume(_) | Import::Scan(_) => {}
     }
-    let (volume, source) = open_volume(format, path, options, limits, progress)?;
-    let options = &source.adapted(options, volume.samples);
-    let signature = import::trusted_signature(&volume);
-    let mut contents = import::to_contents(&volume, signature, options, limits, progress)?;
-    let Volume { samples, texts, data, .. } = volume;
-    drop(data);
+    let reading = Reading { path, options, limits, progress, in_layers: true };
+    let (volume, source) = open_volume(format, &reading)?;
+    let view = import::VolumeView::of(&volume);
+    let (samples, texts) = (view.samples, view.texts.clone());
+    let options = &source.adapted(options, samples);
+    let signature = import::trusted_signature(&texts, samples);
+    let mut contents = import::to_contents(view, signature, options, limits, progress)?;
+    drop(volume);
     let knows_up = signature.is_some() || source.frame.knows_up();
     let assumed_up = (!knows_up).then(|| options.upright.unwrap_or_default());
     let turn = source.frame.orientation().then(assumed_up.unwrap_or_default().turned_upright());
@@ -216,7 +219,9 @@ pub fn load_volume(
     progress: &dyn Progress,
 ) -> Result<Volume, FormatError> {
     let (format, _) = content::format_of(path, options.raw.is_some())?;
-    open_volume(format, path, options, limits, progress).map(|(volume, _)| volume)
+    let reading = Reading { path, options, limits, progress, in_layers: false };
+    let (volume, _) = open_volume(format, &reading)?;
+    volume.held(budget_bytes(limits), progress)
 }
 
 /// Writes a sculpture, atomically: an existing file is replaced when the new one is complete. See [`save_with`].
@@ -321,26 +326,23 @@ impl FileMetadata {
 /// Returns the voxels of a file, in the requested region and size.
 fn open_volume(
     format: Format,
-    path: &Path,
-    options: &ImportOptions,
-    limits: &Limits,
-    progress: &dyn Progress,
-) -> Result<(Volume, FileMetadata), FormatError> {
-    let (volume, source) = read_volume(format, path, options, limits, progress)?;
-    let is_packed =
-        import::trusted_signature(&volume).is_some_and(|s| s.form == ExportForm::Packed);
+    reading: &Reading,
+) -> Result<(ScanVolume, FileMetadata), FormatError> {
+    let (volume, source) = read_volume(format, reading)?;
+    let view = import::VolumeView::of(&volume);
+    let signature = import::trusted_signature(view.texts, view.samples);
+    let is_packed = signature.is_some_and(|s| s.form == ExportForm::Packed);
     let is_label = is_packed || source.is_label;
-    let volume = prepare::prepare(volume, options, is_label, budget_bytes(limits), progress)?;
+    let (options, budget) = (reading.options, budget_bytes(reading.limits));
+    let volume = prepare::prepare_scan(volume, options, is_label, budget, reading.progress)?;
     Ok((volume, source))
 }
 
 fn read_volume(
     format: Format,
-    path: &Path,
-    options: &ImportOptions,
-    limits: &Limits,
-    progress: &dyn Progress,
-) -> Result<(Volume, FileMetadata), FormatError> {
+    reading: &Reading,
+) -> Result<(ScanVolume, FileMetadata), FormatError> {
+    let Reading { path, options, limits, progress, .. } = *reading;
     let is_scan = matches!(format.read, Import::Scan(_));
     match &format.read {
         Import::Sculpture | Import::Model(_) | Import::Mesh(_) => {
@@ -348,7 +350,7 @@ fn read_volume(
             let volume = export::to_volume(&loaded.contents, ExportForm::Auto, loaded.texts)?;
             let file_bytes = std::fs::metadata(path)?.len();
             Ok((
-                volume,
+                volume.into(),
                 FileMetadata {
                     kind: "sculpture".to_string(),
                     file_bytes,
@@ -357,11 +359,17 @@ fn read_volume(
             ))
         }
         Import::Volume(read) | Import::Scan(read) => {
-            let (scan, file_bytes) = read(&Reading { path, options, limits, progress })?;
+            let (scan, file_bytes) = read(reading)?;
             let Scan { volume, frame, kind, is_label, volumes, mut notes } = scan;
             let is_open =
                 options.colouring == Colouring::Auto && options.existence == Existence::Auto;
-            if is_scan && is_open && !is_label && labels::look_like_labels(&volume) {
+            let looks_like_labels = match &volume {
+                ScanVolume::Held(volume) if is_scan && is_open && !is_label => {
+                    labels::look_like_labels(volume)
+                }
+                _ => false,
+            };
+            if looks_like_labels {
                 notes.push(
                     "it holds few whole numbers, as labels are: the colouring `labels` gives each a colour of its own"
                         .to_string(),

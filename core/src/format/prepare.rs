@@ -1,6 +1,6 @@
 //! Prepares a volume for its conversion: crops it to the requested region, and resamples it to cubic voxels.
 //!
-//! Takes and gives a [`Volume`] of the same sample type. Sizes are known, and memory is checked, before anything is
+//! Takes and gives a [`Volume`] of the same sample type, or one that stays in its files. Sizes are known, and memory is checked, before anything is
 //! read or allocated. Knows no file.
 
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use super::budget::check_budget;
 use super::options::{Colouring, Cubic, ImportOptions};
+use super::scan::ScanVolume;
 use super::volume::{Samples, Volume};
 use super::{FormatError, go_on};
 use crate::progress::Progress;
@@ -69,6 +70,31 @@ pub fn prepare(
     progress.end();
     go_on(progress)?;
     Ok(Volume { dims, voxel_size, data, samples: volume.samples, texts: volume.texts })
+}
+
+/// Performs [`prepare`] for a volume that may be in its files. There it stays, unless it is resampled.
+pub fn prepare_scan(
+    volume: ScanVolume,
+    options: &ImportOptions,
+    is_label: bool,
+    budget_bytes: u64,
+    progress: &dyn Progress,
+) -> Result<ScanVolume, FormatError> {
+    let (volume, options) = match volume {
+        ScanVolume::Held(volume) => (volume, *options),
+        ScanVolume::Layered(mut volume) => {
+            let (_, voxel_size) = prepared(volume.dims, volume.voxel_size, options)?;
+            if let Some(region) = options.region {
+                volume.cut(region);
+            }
+            if voxel_size == volume.voxel_size {
+                return Ok(ScanVolume::Layered(volume));
+            }
+            let volume = ScanVolume::Layered(volume).held(budget_bytes, progress)?;
+            (volume, ImportOptions { region: None, ..*options })
+        }
+    };
+    prepare(volume, &options, is_label, budget_bytes, progress).map(ScanVolume::Held)
 }
 
 /// Keeps a box of voxels. Works in place: a row never moves up.

@@ -197,7 +197,7 @@ fn open(reading: &Reading) -> Result<(Scan, u64), FormatError> {
         Some(packing) => format!("PVM{version}, packed as {packing}"),
         None => format!("PVM{version}, not packed"),
     };
-    Ok((Scan::bare(volume, kind, volumes), file_bytes))
+    Ok((Scan::bare(volume.into(), kind, volumes), file_bytes))
 }
 
 /// Reads a .pvm file. `admit` gets the header before memory is allocated for the voxels, and may refuse it; unpacking

@@ -2,7 +2,9 @@
 
 use glam::UVec3;
 
+use super::layered::{LayeredVolume, PartPacking, StoredVoxels, VoxelPart};
 use super::options::RawLayout;
+use super::scan::numbers::Number;
 use super::scan::reading::{Reading, Scan};
 use super::spec::{Export, FormatSpec, Import};
 use super::volume::{Texts, Volume};
@@ -36,13 +38,27 @@ fn check_length(layout: &RawLayout, found: u64) -> Result<(), FormatError> {
 fn open(reading: &Reading) -> Result<(Scan, u64), FormatError> {
     let volumes = reading.volumes(1)?;
     let layout = reading.options.raw.ok_or(FormatError::NoRawLayout)?;
+    if let Some((number, is_big)) = Number::of(layout.samples)
+        && reading.is_large(number.volume_bytes(layout.dims))
+    {
+        let path = reading.path.to_path_buf();
+        let length = store::open(&path)?.metadata()?.len();
+        reading.admit(layout.dims, layout.voxel_size)?;
+        check_length(&layout, length)?;
+        let (packing, begin) = (PartPacking::Plain, layout.skip_bytes);
+        let part = VoxelPart { path, packing, packed_at: 0, begin, bytes: length - begin };
+        let stored = StoredVoxels { parts: vec![part], skip: 0, number, is_big, scale: [1.0, 0.0] };
+        let RawLayout { dims, voxel_size, .. } = layout;
+        let volume = LayeredVolume::new(stored, dims, voxel_size, Vec::new(), reading.progress)?;
+        return Ok((Scan::bare(volume.into(), "raw".to_string(), volumes), length));
+    }
     let admit = |length| {
         reading.admit(layout.dims, layout.voxel_size)?;
         check_length(&layout, length)
     };
     let file = store::read(reading.path, budget_bytes(reading.limits), admit, reading.progress)?;
     let file_bytes = file.len() as u64;
-    Ok((Scan::bare(read(file, &layout)?, "raw".to_string(), volumes), file_bytes))
+    Ok((Scan::bare(read(file, &layout)?.into(), "raw".to_string(), volumes), file_bytes))
 }
 
 /// Reads a raw file.

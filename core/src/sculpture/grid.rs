@@ -4,7 +4,7 @@
 //! and a copy of a grid shares all nodes until one of the two changes. How bricks are stored is private to
 //! [`crate::sculpture`]. All other code asks for a brick by its coordinates or index, visits the non-empty ones, copies
 //! rows of bricks along x, or looks up words of 4^3 voxels (`read.rs`, `word_reader.rs`); what walks a whole grid walks
-//! the nodes, or spans of like bricks (`parts.rs`, `spans.rs`). Writers replace whole bricks, or edit leaves of 8^3
+//! the nodes, an octree of cubes, or spans of like bricks (`parts.rs`, `octree.rs`, `spans.rs`). Writers replace whole bricks, or edit leaves of 8^3
 //! bricks (`lend.rs`, `leaf_edit.rs`).
 //!
 //! Invariants: bits beyond `dims` are 0; voxel counts and kinds always match the bits. Knows no colour, no history, no
@@ -25,9 +25,11 @@ use crate::refusal::{InvalidValue, MemoryBudget, OverBudget};
 
 mod build;
 mod extent;
+mod layers;
 mod leaf_edit;
 mod lend;
 mod node;
+mod octree;
 mod parts;
 mod read;
 mod reframe;
@@ -38,12 +40,14 @@ mod word_reader;
 
 pub(crate) use build::BrickRun;
 pub(in crate::sculpture) use extent::Extent;
+pub(crate) use layers::{GridLayers, LeafRow};
 pub(in crate::sculpture) use leaf_edit::LeafEdit;
 use leaf_edit::row_of;
 pub(in crate::sculpture) use lend::{
     ChangedLeaf, Cube, CubeEdit, LeafPlace, Lent, LentLeaf, OldLeaf,
 };
 pub(in crate::sculpture) use node::{NODE_EDGE_LOG2, Slot};
+pub(crate) use octree::{BRICK_LEVEL, OctreeBrick, OctreeCube};
 pub(crate) use parts::{
     GridPart, NodeView, box_mask, bricks_beside_empty, for_each_part, indices, surface_leaves,
     uniform_in,
@@ -56,6 +60,8 @@ pub use word_reader::WordReader;
 
 /// The logarithm of the edge of a leaf of the tree, in bricks.
 pub(crate) const LEAF_EDGE_LOG2: u32 = NODE_EDGE_LOG2;
+/// The edge of a leaf, in voxels.
+pub(crate) const LEAF_EDGE_VX: u32 = BRICK_EDGE_VX << LEAF_EDGE_LOG2;
 /// Longest axis of a grid, in voxels.
 pub const MAX_AXIS_VX: u32 = 8192;
 /// Marks "no voxel" in an index map.

@@ -11,6 +11,7 @@ pub mod quickstep;
 pub mod raycast;
 #[doc(hidden)]
 pub mod slices;
+mod small_bricks;
 mod tiles;
 
 pub use index_map::{IndexMap, PixelRect};
@@ -18,3 +19,4 @@ pub(crate) use numbering::VoxelNamer;
 pub use numbering::{VoxelNumbering, is_linear};
 pub use partial::{changed_pixels, pixels_of_grid};
 pub use pixel_rects::PixelRects;
+pub use small_bricks::SmallBricks;

@@ -297,7 +297,7 @@ mod tests {
         let mut corners = std::collections::BTreeSet::new();
         for y in 0..rays.size.y {
             for x in 0..rays.size.x {
-                let hit = raycast::cast(&grid, rays.origin, rays.direction(x, y));
+                let hit = raycast::cast_pixel(&grid, &rays, x, y);
                 assert_eq!(map.voxel(x, y), hit.map(|hit| hit.voxel), "pixel {x}, {y}");
                 corners.extend(map.voxel(x, y).map(|v| (v / 2048).to_array()));
             }

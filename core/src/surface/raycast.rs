@@ -1,4 +1,4 @@
-//! The exact ray caster: the first existing voxel along a ray, and the index map of a view.
+//! The ray caster: the first existing voxel along a ray, and the index map of a view.
 //!
 //! Takes a grid and rays in grid coordinates. `ray` defines exactness: a ray visits voxels in the order of its
 //! crossings of voxel boundaries, and the caster returns the first existing one, the same as a voxel-by-voxel traversal
@@ -8,6 +8,9 @@
 //! 4^3 voxels. `sweep` samples a tile of a picture with the loops exchanged: it visits the cubes of the grid front to
 //! back, each once for all pixels of the tile that may see it, and traces sixteen rays at once through a brick
 //! ([`packet`]). At usual distances a brick covers some thirty pixels, so that nearly all decisions are shared.
+//!
+//! Pictures are exact where a pixel is smaller than a brick. Bricks smaller than a pixel are hit as a whole
+//! ([`SmallBricks`]).
 //!
 //! Knows no colours, no light and no cameras beyond the rays of their pixels.
 
@@ -26,6 +29,7 @@ use self::sweep::Sweep;
 use self::walk::Walk;
 use super::index_map::{IndexMap, PixelRect};
 use super::numbering::VoxelNamer;
+use super::small_bricks::SmallBricks;
 use super::tiles::for_each_tile;
 use crate::sculpture::vectors::vectorised;
 use crate::sculpture::{Grid, NO_VOXEL};
@@ -45,8 +49,18 @@ pub struct Hit {
 /// Returns the first existing voxel along `origin + t * direction`, `t >= 0`, in grid coordinates. The voxel around the
 /// origin is hit at `t = 0`. `None` if there is no voxel, a number is not finite, or the direction is zero.
 pub fn cast(grid: &Grid, origin: Vec3, direction: Vec3) -> Option<Hit> {
+    cast_among(grid, &SmallBricks::NONE, origin, direction)
+}
+
+/// Returns what [`sample`] shows in pixel (x, y) of a picture. In a brick that is hit as a whole, face and time are those
+/// at which the ray enters the brick.
+pub fn cast_pixel(grid: &Grid, rays: &PixelRays, x: u32, y: u32) -> Option<Hit> {
+    cast_among(grid, &SmallBricks::new(rays), rays.origin, rays.direction(x, y))
+}
+
+fn cast_among(grid: &Grid, small: &SmallBricks, origin: Vec3, direction: Vec3) -> Option<Hit> {
     let ray = Ray::new(origin, direction)?;
-    let (voxel, event) = Walk::enter(grid, ray)?.first_voxel()?;
+    let (voxel, event) = Walk::enter(grid, ray)?.first_voxel(small)?;
     let mut face = IVec3::ZERO;
     if event.axis < 3 {
         face[event.axis] = -ray.step[event.axis];
@@ -54,7 +68,7 @@ pub fn cast(grid: &Grid, origin: Vec3, direction: Vec3) -> Option<Hit> {
     Some(Hit { voxel, face, t: event.t })
 }
 
-/// Fills `map` with the first voxels on `rays`. Keeps the map's memory.
+/// Fills `map` with the voxels seen along `rays`. Keeps the map's memory.
 pub fn sample(grid: &Grid, rays: &PixelRays, map: &mut IndexMap) {
     map.reset(grid.dims(), *rays);
     sample_rect(grid, map, PixelRect::of_picture(rays.size));
@@ -62,13 +76,30 @@ pub fn sample(grid: &Grid, rays: &PixelRays, map: &mut IndexMap) {
 
 /// Resamples the pixels of `rect` (cut to the picture) with the rays that `map` was made with.
 pub fn sample_rect(grid: &Grid, map: &mut IndexMap, rect: PixelRect) {
-    sample_rect_at(Level::new(), grid, map, rect);
+    sample_rect_at(Level::new(), grid, SmallBricks::new(&map.rays), map, rect);
 }
 
-fn sample_rect_at(level: Level, grid: &Grid, map: &mut IndexMap, rect: PixelRect) {
+/// Fills `map` with the first voxels on `rays`, however small they are.
+pub(crate) fn sample_exact(grid: &Grid, rays: &PixelRays, map: &mut IndexMap) {
+    map.reset(grid.dims(), *rays);
+    sample_exact_rect(grid, map, PixelRect::of_picture(rays.size));
+}
+
+/// Performs [`sample_exact`] for the pixels of `rect` (cut to the picture), with the rays that `map` was made with.
+pub(crate) fn sample_exact_rect(grid: &Grid, map: &mut IndexMap, rect: PixelRect) {
+    sample_rect_at(Level::new(), grid, SmallBricks::NONE, map, rect);
+}
+
+fn sample_rect_at(
+    level: Level,
+    grid: &Grid,
+    small: SmallBricks,
+    map: &mut IndexMap,
+    rect: PixelRect,
+) {
     match Projection::new(&map.rays) {
         Some(projection) => {
-            let sweep = Sweep { grid, rays: map.rays, projection, level };
+            let sweep = Sweep { grid, rays: map.rays, projection, small, level };
             map.renew(grid.dims(), rect);
             for_each_tile(map, rect, |tile, numbering| sweep.run(tile, numbering));
         }

@@ -154,9 +154,10 @@ pub fn trace_watched(
         let rays = pass_rays(camera, index);
         match (pupil, levels) {
             (Some(_), _) => map.forget(rays),
-            (None, None) => raycast::sample(source.grid, &rays, &mut map),
+            (None, None) => raycast::sample_exact(source.grid, &rays, &mut map),
             (None, Some(levels)) => {
-                raycast::sample(levels.cells(), &LevelSet::rays_of_cells(&rays), &mut map);
+                let rays = LevelSet::rays_of_cells(&rays);
+                raycast::sample_exact(levels.cells(), &rays, &mut map);
             }
         }
         let pass = Pass { tracer: &tracer, pupil, rays, map: &map, index, progress };

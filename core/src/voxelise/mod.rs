@@ -2,7 +2,7 @@
 //!
 //! Rays along x, y and z through the centres of all voxels are intersected with the triangles (`crossings`), in
 //! integers, so that a closed mesh is never entered without being left. Each ray becomes spans of voxels (`spans`),
-//! which are handled as rows of bits. Rays that pass through a hole are ignored; if there are any, the three directions
+//! which are handled as rows of bits, layer by layer (`solid`): the grid takes memory for its surface alone. Rays that pass through a hole are ignored; if there are any, the three directions
 //! vote. Surface voxels take the colour of the nearest triangle that crosses beside them (`paint`). The result is the
 //! same for any number of threads. Knows no files.
 
@@ -15,10 +15,14 @@ mod spans;
 #[cfg(test)]
 mod tests;
 
+use rayon::prelude::*;
 use thiserror::Error;
+
+use self::crossings::{PlacedMesh, TriangleSlabs};
 
 pub use self::frame::{MeshPlacement, MeshSize, bounds};
 pub use self::mesh::{InputMesh, Skin};
+use self::spans::inside;
 use crate::progress::Progress;
 use crate::refusal::{MemoryBudget, OverBudget};
 use crate::sculpture::history::Contents;
@@ -81,6 +85,43 @@ fn check_memory(needed: u64, budget_bytes: u64) -> Result<(), OverBudget> {
     checked.map_err(|over| over.advise("choose fewer voxels"))
 }
 
+/// A mesh in its grid, to be cut by rays.
+struct CutMesh<'a> {
+    placed: PlacedMesh,
+    /// The triangles by the slabs of each axis.
+    slabs: [TriangleSlabs; 3],
+    /// The most bytes of the grid.
+    grid_bytes: u64,
+    progress: &'a dyn Progress,
+}
+
+impl CutMesh<'_> {
+    fn go_on(&self) -> Result<(), VoxeliseError> {
+        if self.progress.is_cancelled() { Err(VoxeliseError::Cancelled) } else { Ok(()) }
+    }
+
+    /// Returns the share of rays through holes among all rays with crossings.
+    fn open_share(&self) -> Result<f64, VoxeliseError> {
+        let (mut open, mut all) = (0, 0);
+        for (done, slabs) in self.slabs.iter().enumerate() {
+            self.progress.advance(done as f32 / 3.0);
+            let counts = (0..slabs.count()).into_par_iter().map(|slab| {
+                if self.progress.is_cancelled() {
+                    return (0, 0);
+                }
+                let rays = self.placed.cross(slabs, slab);
+                rays.rays().fold((0u64, 0u64), |(open, all), ray| {
+                    (open + u64::from(!inside(ray.crossings, |_, _| {})), all + 1)
+                })
+            });
+            let (of_axis, rays) = counts.reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
+            (open, all) = (open + of_axis, all + rays);
+            self.go_on()?;
+        }
+        Ok(open as f64 / all.max(1) as f64)
+    }
+}
+
 /// Makes a sculpture of a mesh.
 pub fn to_contents(
     mesh: &InputMesh,
@@ -90,44 +131,39 @@ pub fn to_contents(
     limits: &Limits,
     progress: &dyn Progress,
 ) -> Result<(Contents, Findings), VoxeliseError> {
-    let go_on = || if progress.is_cancelled() { Err(VoxeliseError::Cancelled) } else { Ok(()) };
-    Grid::check(frame.dims, frame.voxel_size, limits.grid_bytes)?;
+    let empty = Grid::of_size(frame.dims, frame.voxel_size)?;
     let placed = frame.place(mesh)?;
+    let slabs = [0, 1, 2].map(|axis| placed.slabs(axis));
+    let cut = CutMesh { placed, slabs, grid_bytes: limits.grid_bytes, progress };
     let budget_bytes = limits.grid_bytes.saturating_add(limits.colour_bytes);
-    let needed = placed.crossings_at_most() * 24 + 3 * solid::bytes(frame.dims);
-    check_memory(needed, budget_bytes)?;
+    let lists: u64 = cut.slabs.iter().map(TriangleSlabs::bytes).sum();
+    check_memory(lists, budget_bytes)?;
     progress.begin("cutting rays");
-    let mut rays = Vec::new();
-    for axis in 0..3 {
-        go_on()?;
-        progress.advance(axis as f32 / 3.0);
-        rays.push(placed.cross(axis));
-    }
+    let open_share = cut.open_share()?;
     progress.end();
     progress.begin("filling the grid");
-    let open_share = spans::open_share(&rays);
     let mut is_shell = fill == Fill::Shell || fill == Fill::Auto && open_share > OPEN_SHARE;
-    let mut bits = Vec::new();
+    let has_holes = open_share > 0.0;
+    let mut grid = empty.clone();
     if !is_shell {
-        bits = solid::fill(&rays, frame.dims, open_share > 0.0);
+        if has_holes {
+            check_memory(lists + solid::bytes(&cut, true), budget_bytes)?;
+        }
+        grid = solid::fill(&cut, empty.clone(), has_holes)?;
         // Sheets that lie back to back enclose nothing.
-        is_shell = bits.iter().all(|word| *word == 0);
+        is_shell = grid.opaque_count() == 0;
     }
-    go_on()?;
     if is_shell {
-        bits = solid::shell(&rays, frame.dims);
+        check_memory(lists + solid::bytes(&cut, false), budget_bytes)?;
+        grid = solid::shell(&cut, empty)?;
     }
-    progress.advance(0.5);
-    let mut grid = Grid::new(frame.dims, frame.voxel_size, limits.grid_bytes)?;
-    solid::pour(&bits, &mut grid);
-    drop(bits);
     progress.end();
-    go_on()?;
+    cut.go_on()?;
     let base = mesh.only_colour().unwrap_or(Rgb::STONE);
     let mut material = Material::for_grid(&grid, depth, base);
     if depth != ColourDepth::None && mesh.has_colours() && mesh.only_colour().is_none() {
-        let painter = paint::Painter { mesh, placed: &placed, rays: &rays, is_shell };
-        painter.paint(&grid, &mut material, limits.colour_bytes, progress)?;
+        let painter = paint::Painter { mesh, cut: &cut, is_shell };
+        painter.paint(&grid, &mut material, limits.colour_bytes)?;
     }
     Ok((Contents::new(grid, material), Findings { open_share, is_shell }))
 }

@@ -4,22 +4,20 @@
 use glam::{UVec3, Vec3};
 use rayon::prelude::*;
 
-use super::crossings::{PlacedMesh, Rays, SUB_VX};
-use super::solid::voxel;
-use super::{InputMesh, VoxeliseError, check_memory};
-use crate::progress::Progress;
+use super::crossings::{MeshRay, RaySlab, SUB_VX};
+use super::{CutMesh, InputMesh, VoxeliseError, check_memory};
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_coords, local_index};
+use crate::sculpture::grid::LEAF_EDGE_VX;
 use crate::sculpture::material::{MAX_PAGE_BYTES, Page};
 use crate::sculpture::{Grid, Material, Rgb};
 
-/// Layers of bricks that are coloured between two checks of memory and cancellation.
-const LAYERS: usize = 8;
+/// Layers of bricks that are coloured between two checks of memory and cancellation: those of a slab.
+const LAYERS: usize = (LEAF_EDGE_VX / BRICK_EDGE_VX) as usize;
 
 /// The data from which colours are computed.
-pub struct Painter<'a> {
+pub(super) struct Painter<'a> {
     pub mesh: &'a InputMesh,
-    pub placed: &'a PlacedMesh,
-    pub rays: &'a [Rays],
+    pub cut: &'a CutMesh<'a>,
     pub is_shell: bool,
 }
 
@@ -34,29 +32,33 @@ impl Painter<'_> {
         grid: &Grid,
         material: &mut Material,
         budget_bytes: u64,
-        progress: &dyn Progress,
     ) -> Result<(), VoxeliseError> {
+        let CutMesh { placed, slabs, progress, .. } = self.cut;
         progress.begin("colouring");
+        let lists = slabs.iter().map(|slabs| slabs.bytes()).sum::<u64>()
+            + slabs[2].all_crossings * size_of::<VoxelTriangle>() as u64;
+        check_memory(lists, budget_bytes)?;
         let layers = grid.brick_dims().z as usize;
         // Rays along z run through all layers.
         let mut of_layer = vec![Vec::new(); layers];
-        let along_z = &self.rays[2];
-        self.besides(grid, along_z, &along_z.crossings, &mut |layer, beside| {
-            of_layer[layer].push(beside);
-        });
-        for (batch, first) in of_layer.chunks_mut(LAYERS).zip((0..).step_by(LAYERS)) {
-            if progress.is_cancelled() {
-                return Err(VoxeliseError::Cancelled);
-            }
-            progress.advance(first as f32 / layers as f32);
+        for slab in 0..slabs[2].count() {
+            self.cut.go_on()?;
+            let along_z = placed.cross(&slabs[2], slab);
+            let rays = along_z.rays();
+            self.besides(grid, &along_z, rays, &mut |layer, beside| of_layer[layer].push(beside));
+        }
+        for (slab, batch) in (0..).zip(of_layer.chunks_mut(LAYERS)) {
+            self.cut.go_on()?;
+            progress.advance(slab as f32 / slabs[0].count() as f32);
+            let across = [0, 1].map(|axis| placed.cross(&slabs[axis], slab));
             let material_now = &*material;
             let pages: Vec<Vec<(UVec3, Page)>> = batch
                 .par_iter_mut()
                 .enumerate()
                 .map(|(i, beside)| {
                     let mut beside = std::mem::take(beside);
-                    self.gather(grid, first + i, &mut beside);
-                    self.pages(grid, material_now, first + i, &beside)
+                    self.gather(grid, &across, i as u32, &mut beside);
+                    self.pages(grid, material_now, slab as usize * LAYERS + i, &beside)
                 })
                 .collect();
             let bytes = pages.iter().flatten().map(|(_, page)| page.heap_bytes() as u64);
@@ -69,29 +71,32 @@ impl Painter<'_> {
         Ok(())
     }
 
-    /// Adds the crossings of rays along x and y in a layer of bricks, and sorts all by voxels.
-    fn gather(&self, grid: &Grid, layer: usize, beside: &mut Vec<VoxelTriangle>) {
-        let dims = grid.dims();
-        let slices = layer * BRICK_EDGE_VX as usize
-            ..((layer + 1) * BRICK_EDGE_VX as usize).min(dims.z as usize);
-        for (rays, size) in [(&self.rays[0], dims.y as usize), (&self.rays[1], dims.x as usize)] {
-            let crossings = rays.of(size * slices.start, size * slices.end);
-            self.besides(grid, rays, crossings, &mut |_, found| beside.push(found));
+    /// Adds the crossings of rays along x and y in a layer of bricks of a slab, and sorts all by voxels.
+    fn gather(
+        &self,
+        grid: &Grid,
+        across: &[RaySlab; 2],
+        layer: u32,
+        beside: &mut Vec<VoxelTriangle>,
+    ) {
+        let slices = layer * BRICK_EDGE_VX..(layer + 1) * BRICK_EDGE_VX;
+        for (rays, size) in across.iter().zip([grid.dims().y, grid.dims().x]) {
+            let of_layer = slices.clone().flat_map(|slice| rays.rays_of(0..size, slice));
+            self.besides(grid, rays, of_layer, &mut |_, found| beside.push(found));
         }
         beside.sort_unstable();
         beside.dedup();
     }
 
     /// Calls `f` with the layer of bricks of each voxel that a crossing colours.
-    fn besides(
+    fn besides<'r>(
         &self,
         grid: &Grid,
-        rays: &Rays,
-        crossings: &[super::crossings::MeshCrossing],
+        slab: &RaySlab,
+        rays: impl Iterator<Item = MeshRay<'r>>,
         f: &mut dyn FnMut(usize, VoxelTriangle),
     ) {
-        let (dims, axis) = (grid.dims(), rays.axis);
-        let count = dims[axis];
+        let count = grid.dims()[slab.axis];
         let bricks = grid.brick_dims();
         let mut put = |v: UVec3, triangle: usize| {
             let (brick, local) = (v / BRICK_EDGE_VX, v % BRICK_EDGE_VX);
@@ -99,15 +104,17 @@ impl Painter<'_> {
             let place = brick_in_layer << 9 | u64::from(local_index(local.x, local.y, local.z));
             f(brick.z as usize, VoxelTriangle(place << 32 | triangle as u64));
         };
-        for crossing in crossings {
-            let at = |along: u32| voxel(dims, axis, crossing.ray(), along);
-            let exists = |along: u32| grid.get(at(along).as_ivec3());
-            let mut sides = crossing.sides(count).filter(|along| exists(*along));
-            let (first, second) = (sides.next(), sides.next());
-            // With voxels on both sides, there is no surface of a solid here.
-            for along in [first, second].into_iter().flatten() {
-                if self.is_shell || second.is_none() {
-                    put(at(along), crossing.triangle());
+        for ray in rays {
+            for crossing in ray.crossings {
+                let at = |along: u32| slab.voxel(&ray, along);
+                let exists = |along: u32| grid.get(at(along).as_ivec3());
+                let mut sides = crossing.sides(count).filter(|along| exists(*along));
+                let (first, second) = (sides.next(), sides.next());
+                // With voxels on both sides, there is no surface of a solid here.
+                for along in [first, second].into_iter().flatten() {
+                    if self.is_shell || second.is_none() {
+                        put(at(along), crossing.triangle());
+                    }
                 }
             }
         }
@@ -147,7 +154,7 @@ impl Painter<'_> {
         let mut best = (f32::INFINITY, 0, Vec3::X);
         for beside in beside {
             let triangle = (beside.0 & 0xFFFF_FFFF) as usize;
-            let corners = self.placed.triangle(triangle).map(|c| c.as_vec3() / SUB_VX as f32);
+            let corners = self.cut.placed.triangle(triangle).map(|c| c.as_vec3() / SUB_VX as f32);
             let weights = nearest(centre, corners);
             let [a, b, c] = weights.to_array();
             let at = corners[0] * a + corners[1] * b + corners[2] * c;

@@ -205,13 +205,19 @@ fn impossible_meshes_and_sizes_are_refused_before_memory_is_taken() {
     let mesh = ball(3);
     let around = |mesh: &InputMesh, size| MeshPlacement::around(mesh, size, Up::Y, 1.0);
     let frame = around(&mesh, MeshSize::LongestVx(64)).unwrap();
-    let limits = Limits { grid_bytes: 1 << 17, colour_bytes: 1 << 14, ..Limits::default() };
-    let run = |frame: &MeshPlacement| {
+    let run_within = |frame: &MeshPlacement, colour_bytes: u64| {
+        let limits = Limits { grid_bytes: 1 << 12, colour_bytes, ..Limits::default() };
         to_contents(&mesh, frame, Fill::Auto, ColourDepth::None, &limits, &())
     };
+    let run = |frame: &MeshPlacement| run_within(frame, 1 << 8);
+    // The lists of its triangles, and its voxels.
     assert!(matches!(
         run(&frame),
         Err(VoxeliseError::OverBudget(OverBudget { budget: MemoryBudget::GridsAndColours, .. }))
+    ));
+    assert!(matches!(
+        run_within(&frame, 1 << 24),
+        Err(VoxeliseError::OverBudget(OverBudget { budget: MemoryBudget::Grids, .. }))
     ));
     let huge = around(&mesh, MeshSize::VoxelMm(1e-6)).unwrap();
     assert!(matches!(run(&huge), Err(VoxeliseError::Grid(_))));

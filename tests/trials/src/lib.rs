@@ -12,6 +12,7 @@ mod again;
 #[cfg(target_os = "linux")]
 mod limiter;
 mod shared;
+mod slowest;
 
 use std::cell::RefCell;
 use std::collections::HashSet;
@@ -107,7 +108,9 @@ pub fn run(main: &str, crate_folder: &str) -> ! {
     assert!(tests.windows(2).all(|two| two[0].path != two[1].path), "two tests have one name");
     let trials = tests.into_iter().map(trial).collect();
     print_names_of_panicking_tests();
-    libtest_mimic::run(&arguments, trials).exit()
+    let conclusion = libtest_mimic::run(&arguments, trials);
+    slowest::print();
+    conclusion.exit()
 }
 
 /// Two tests a core: many of them start programs and wait for them.
@@ -119,7 +122,7 @@ fn trial(test: &'static Test) -> Trial {
     let name = test.path.split_once("::").map_or(test.path, |(_crate, name)| name);
     Trial::ignorable_test(name, move || {
         CURRENT.set(name.to_owned());
-        let outcome = catch_unwind(test.run);
+        let outcome = slowest::timed(name, || catch_unwind(test.run));
         CURRENT.set(String::new());
         let panic = match outcome {
             Ok(()) => return Ok(Completion::Completed),

@@ -4,22 +4,31 @@
 //! Takes the bytes of a file; gives one of its volumes with spacing and orientation.
 
 use std::collections::HashMap;
+use std::path::PathBuf;
 
 use flate2::read::ZlibDecoder;
 use glam::{DVec3, UVec3, Vec3};
 
 use super::frame::AxisFrame;
 use super::numbers::{Number, volume};
-use super::reading::{Reading, Scan};
+use super::reading::{Reading, Scan, ScanVolume};
 use super::unpack::{cut, exactly, malformed};
-use crate::format::FormatError;
 use crate::format::error::excerpt;
+use crate::format::layered::{LayeredVolume, PartPacking, StoredVoxels, VoxelPart};
 use crate::format::spec::{FormatSpec, Import};
+use crate::format::{FormatError, Volumes, store};
 
 pub static SPEC: FormatSpec = FormatSpec::new(
     "a MetaImage",
     &["mha", "mhd"],
-    Import::Scan(|reading| reading.read_whole(reading.path, |file| read(file, reading))),
+    Import::Scan(|reading| {
+        if reading.in_layers
+            && let Some(scan) = layered(reading)?
+        {
+            return Ok((scan, std::fs::metadata(reading.path)?.len()));
+        }
+        reading.read_whole(reading.path, |file| read(file, reading))
+    }),
 );
 
 /// Greatest length of a header.
@@ -83,8 +92,24 @@ impl MetaImageHeader {
     }
 }
 
-fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
-    let header = MetaImageHeader::parse(&file)?;
+/// One of the volumes that a header describes.
+struct MetaImageVolume {
+    dims: UVec3,
+    voxel_size: Vec3,
+    number: Number,
+    /// How many volumes there are.
+    count: u64,
+    volumes: Volumes,
+    is_text: bool,
+    is_packed: bool,
+    is_big: bool,
+    /// Number of bytes before the voxels; -1: as many as precede those at the end.
+    skip: f64,
+    notes: Vec<String>,
+}
+
+/// Returns the volume of a header that is to be read.
+fn described(header: &MetaImageHeader, reading: &Reading) -> Result<MetaImageVolume, FormatError> {
     let sizes = header.numbers(&["DimSize"])?.unwrap_or_default();
     let is_size = |size: &f64| (1.0..=f64::from(u32::MAX)).contains(size) && size.fract() == 0.0;
     if sizes.is_empty() || sizes.len() > MOST_AXES || !sizes.iter().all(is_size) {
@@ -105,27 +130,125 @@ fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     };
     let voxel_size = Vec3::new(edge(0), edge(1), edge(2));
     reading.admit(dims, voxel_size)?;
-    let number = number(&header)?;
-    let file_bytes = file.len() as u64;
-    let bytes = number.check(dims, reading.rest_bytes(2 * file_bytes))?;
+    let number = number(header)?;
     notes.extend(reading.first_of(count));
     let is_text = header.field(&["BinaryData"]).is_some_and(|is| is.eq_ignore_ascii_case("false"));
     let is_packed = header.is(&["CompressedData"]);
     let skip = header.numbers(&["HeaderSize"])?.and_then(|all| all.first().copied()).unwrap_or(0.0);
+    let is_big = header.is(&["BinaryDataByteOrderMSB", "ElementByteOrderMSB"]) && !is_text;
+    Ok(MetaImageVolume {
+        dims,
+        voxel_size,
+        number,
+        count,
+        volumes,
+        is_text,
+        is_packed,
+        is_big,
+        skip,
+        notes,
+    })
+}
+
+/// Returns whether the voxels follow the header.
+fn is_local(data_file: &str) -> bool {
+    matches!(data_file, "LOCAL" | "Local" | "local")
+}
+
+/// Returns the names of the files with the layers of a volume.
+fn listed_layers(
+    header: &MetaImageHeader,
+    dims: UVec3,
+    volume: u64,
+) -> Result<&[String], FormatError> {
+    let mut volumes = header.listed.chunks_exact(dims.z as usize);
+    volumes
+        .nth(volume as usize)
+        .ok_or_else(|| malformed("the header", "it lists fewer files than there are layers"))
+}
+
+/// Returns the scan of a large volume that stays in its files; `None` for one that is read whole.
+fn layered(reading: &Reading) -> Result<Option<Scan>, FormatError> {
+    let header = MetaImageHeader::parse(&reading.start(reading.path)?)?;
+    let of = described(&header, reading)?;
+    let bytes = of.number.volume_bytes(of.dims);
+    let data_file = header.field(&[DATA_FILE]).unwrap_or_default();
+    if of.is_text || data_file.contains('%') || !reading.is_large(bytes) {
+        return Ok(None);
+    }
+    let packing = if of.is_packed { PartPacking::Zlib } else { PartPacking::Plain };
+    // A part of `bytes` after `before` others, of `all` in the file.
+    let part = |path: PathBuf, header_bytes: u64, [bytes, before, all]: [u64; 3]| {
+        let begin = match of.skip {
+            _ if of.is_packed => before,
+            -1.0 if header_bytes == 0 => {
+                let found = store::open(&path)?.metadata()?.len();
+                found.checked_sub(all).ok_or_else(|| cut(all, found))?.saturating_add(before)
+            }
+            skip if header_bytes == 0 => before.saturating_add(skip.max(0.0) as u64),
+            _ => before.saturating_add(header_bytes),
+        };
+        let packed_at = if of.is_packed { header_bytes } else { 0 };
+        Ok::<VoxelPart, FormatError>(VoxelPart { path, packing, packed_at, begin, bytes })
+    };
+    let index = of.volumes.time.index();
+    let whole = [bytes, bytes.saturating_mul(index), bytes.saturating_mul(of.count)];
+    let (parts, elsewhere) = match data_file {
+        name if is_local(name) => {
+            (vec![part(reading.path.to_path_buf(), header.bytes as u64, whole)?], "")
+        }
+        "LIST" => {
+            let own = bytes / u64::from(of.dims.z);
+            let names = listed_layers(&header, of.dims, index)?.iter();
+            let parts = names.map(|name| part(reading.beside(name)?, 0, [own, 0, own]));
+            (parts.collect::<Result<_, _>>()?, IN_SEVERAL)
+        }
+        name => (vec![part(reading.beside(name)?, 0, whole)?], IN_A_SECOND),
+    };
+    let MetaImageVolume { dims, voxel_size, number, is_big, .. } = of;
+    let stored = StoredVoxels { parts, skip: 0, number, is_big, scale: [1.0, 0.0] };
+    let volume = LayeredVolume::new(stored, dims, voxel_size, Vec::new(), reading.progress)?;
+    Ok(Some(scan(volume.into(), &header, of, elsewhere)?))
+}
+
+/// Where voxels lie, as the kind of a scan names it.
+const IN_SEVERAL: &str = ", voxels in several files";
+const IN_A_SECOND: &str = ", voxels in a second file";
+
+/// Returns the scan of a volume.
+fn scan(
+    volume: ScanVolume,
+    header: &MetaImageHeader,
+    of: MetaImageVolume,
+    elsewhere: &str,
+) -> Result<Scan, FormatError> {
+    let packing = if of.is_packed { ", packed with zlib" } else { "" };
+    Ok(Scan {
+        volume,
+        frame: frame(header)?,
+        kind: format!("MetaImage{packing}{elsewhere}"),
+        is_label: false,
+        volumes: of.volumes,
+        notes: of.notes,
+    })
+}
+
+fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
+    let header = MetaImageHeader::parse(&file)?;
+    let of = described(&header, reading)?;
+    let file_bytes = file.len() as u64;
+    let bytes = of.number.check(of.dims, reading.rest_bytes(2 * file_bytes))?;
+    let MetaImageVolume { dims, count, is_text, is_packed, skip, number, volumes, .. } = of;
     let place = [volumes.time.index(), count];
     let coding = MetaImageEncoding { is_text, is_packed, skip, number, place, reading };
     let (data, elsewhere) = match header.field(&[DATA_FILE]).unwrap_or_default() {
-        "LOCAL" | "Local" | "local" => {
+        name if is_local(name) => {
             let own = MetaImageEncoding { skip: 0.0, ..coding };
             (own.voxels(&file[header.bytes..], bytes)?, "")
         }
         "LIST" => {
-            let layers = dims.z as usize;
             let per_file = bytes / u64::from(dims.z);
-            let mut volumes = header.listed.chunks_exact(layers);
-            let names = volumes.nth(place[0] as usize).ok_or_else(|| {
-                malformed("the header", "it lists fewer files than there are layers")
-            })?;
+            let names = listed_layers(&header, dims, place[0])?;
             let coding = MetaImageEncoding { place: [0, 1], ..coding };
             let mut data = Vec::with_capacity(bytes as usize);
             for name in names {
@@ -133,7 +256,7 @@ fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
                     coding.voxels(&reading.read_beside(&reading.beside(name)?)?, per_file)?,
                 );
             }
-            (data, ", voxels in several files")
+            (data, IN_SEVERAL)
         }
         pattern if pattern.contains('%') => {
             return Err(FormatError::Scan(
@@ -142,20 +265,12 @@ fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
         }
         name => {
             let file = reading.read_beside(&reading.beside(name)?)?;
-            (coding.voxels(&file, bytes)?, ", voxels in a second file")
+            (coding.voxels(&file, bytes)?, IN_A_SECOND)
         }
     };
-    let is_big = header.is(&["BinaryDataByteOrderMSB", "ElementByteOrderMSB"]) && !is_text;
-    let samples = number.into_samples(data, is_big, [1.0, 0.0]);
-    let packing = if is_packed { ", packed with zlib" } else { "" };
-    Ok(Scan {
-        volume: volume(dims, voxel_size, samples, Vec::new()),
-        frame: frame(&header)?,
-        kind: format!("MetaImage{packing}{elsewhere}"),
-        is_label: false,
-        volumes,
-        notes,
-    })
+    let samples = number.into_samples(data, of.is_big, [1.0, 0.0]);
+    let volume = volume(dims, of.voxel_size, samples, Vec::new());
+    scan(volume.into(), &header, of, elsewhere)
 }
 
 /// The encoding of the voxels of a file.

@@ -11,17 +11,17 @@ mod meta;
 mod nifti;
 mod nrrd;
 mod nrrd_header;
-mod numbers;
+pub(super) mod numbers;
 pub mod reading;
 mod segments;
 mod tiff;
 mod unit;
-mod unpack;
+pub(super) mod unpack;
 mod vti;
 mod vtk;
 
 pub use self::frame::AxisFrame;
-pub use self::reading::{Reading, Scan};
+pub use self::reading::{Reading, Scan, ScanVolume};
 use super::spec::Format;
 
 /// The formats, as texts list them. DICOM comes first: its files may begin with anything, even like those of TIFF.

@@ -11,10 +11,11 @@ use glam::{DMat3, DQuat, DVec3, UVec3, Vec3};
 
 use super::frame::AxisFrame;
 use super::numbers::{Number, volume};
-use super::reading::{Reading, Scan};
+use super::reading::{Reading, Scan, ScanVolume};
 use super::unpack::{cut, exactly, malformed};
-use crate::format::FormatError;
+use crate::format::layered::{LayeredVolume, PartPacking, StoredVoxels, VoxelPart};
 use crate::format::spec::{FormatSpec, Import, Packing, Sign};
+use crate::format::{FormatError, Volumes};
 
 pub static SPEC: FormatSpec = FormatSpec {
     parts: &["img", "img.gz"],
@@ -27,6 +28,11 @@ pub static SPEC: FormatSpec = FormatSpec {
         Import::Scan(|reading| {
             let header = header_of(reading.path)?;
             let path = header.as_deref().unwrap_or(reading.path);
+            if reading.in_layers
+                && let Some(scan) = layered(path, reading)?
+            {
+                return Ok((scan, std::fs::metadata(path)?.len()));
+            }
             reading.read_whole(path, |file| read(path, file, reading))
         }),
     )
@@ -58,45 +64,71 @@ struct NiftiHeader {
     notes: Vec<String>,
 }
 
+/// Returns whether a file that begins with `start` is packed.
+fn is_packed(start: &[u8]) -> bool {
+    start.starts_with(&[0x1F, 0x8B])
+}
+
+/// Returns the header of a file that begins with `start`.
+fn header_in(start: &[u8]) -> Result<NiftiHeader, FormatError> {
+    let most = HEADER_BYTES[1] as u64;
+    if !is_packed(start) {
+        return NiftiHeader::parse(&start[..start.len().min(most as usize)]);
+    }
+    let mut header = Vec::new();
+    let read = MultiGzDecoder::new(start).take(most).read_to_end(&mut header);
+    read.map_err(|error| malformed("the compressed header", error.to_string()))?;
+    NiftiHeader::parse(&header)
+}
+
+/// Returns the path of the file with the voxels of a pair.
+fn image_of(path: &Path) -> PathBuf {
+    partner(path, "hdr", "img").unwrap_or_else(|| path.with_extension("img"))
+}
+
+/// Returns the scan of a large volume that stays in its files; `None` for one that is read whole.
+fn layered(path: &Path, reading: &Reading) -> Result<Option<Scan>, FormatError> {
+    let start = reading.start(path)?;
+    let header = header_in(&start)?;
+    let bytes = header.number.volume_bytes(header.dims);
+    if !reading.is_large(bytes) {
+        return Ok(None);
+    }
+    let volumes = reading.volumes(header.volumes)?;
+    reading.admit(header.dims, header.voxel_size)?;
+    let image = if header.is_pair { image_of(path) } else { path.to_path_buf() };
+    let is_image_packed = match header.is_pair {
+        true => is_packed(&reading.start(&image)?),
+        false => is_packed(&start),
+    };
+    let packing = if is_image_packed { PartPacking::Gzip } else { PartPacking::Plain };
+    let begin = header.offset.saturating_add(bytes.saturating_mul(volumes.time.index()));
+    let part = VoxelPart { path: image, packing, packed_at: 0, begin, bytes };
+    let NiftiHeader { number, is_big, scale, .. } = header;
+    let stored = StoredVoxels { parts: vec![part], skip: 0, number, is_big, scale };
+    let (dims, voxel_size) = (header.dims, header.voxel_size);
+    let description = header.description.clone();
+    let volume = LayeredVolume::new(stored, dims, voxel_size, description, reading.progress)?;
+    Ok(Some(header.scan(volume.into(), volumes, is_packed(&start), reading)))
+}
+
 /// Reads a file whose bytes are `file`, and the `.img` beside `path` if that has the voxels.
 fn read(path: &Path, file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
-    let is_packed = file.starts_with(&[0x1F, 0x8B]);
-    let mut start = Vec::new();
-    let most = HEADER_BYTES[1] as u64;
-    match is_packed {
-        true => {
-            let header = MultiGzDecoder::new(file.as_slice()).take(most).read_to_end(&mut start);
-            header.map_err(|error| malformed("the compressed header", error.to_string()))?;
-        }
-        false => start.extend_from_slice(&file[..file.len().min(most as usize)]),
-    }
-    let header = NiftiHeader::parse(&start)?;
+    let is_packed = is_packed(&file);
+    let header = header_in(&file)?;
     let volumes = reading.volumes(header.volumes)?;
     reading.admit(header.dims, header.voxel_size)?;
     let bytes = header.number.check(header.dims, reading.rest_bytes(file.len() as u64))?;
     let offset = header.offset.saturating_add(bytes.saturating_mul(volumes.time.index()));
     let data = if header.is_pair {
-        let image = partner(path, "hdr", "img").unwrap_or_else(|| path.with_extension("img"));
-        voxels(reading.read_beside(&image)?, offset, bytes, reading)?
+        voxels(reading.read_beside(&image_of(path))?, offset, bytes, reading)?
     } else {
         voxels(file, offset, bytes, reading)?
     };
     let samples = header.number.into_samples(data, header.is_big, header.scale);
-    let mut notes = header.notes;
-    notes.extend(reading.first_of(header.volumes));
-    Ok(Scan {
-        volume: volume(header.dims, header.voxel_size, samples, header.description),
-        frame: header.frame,
-        kind: format!(
-            "NIfTI-{}{}{}",
-            header.version,
-            if header.is_pair { ", voxels in a second file" } else { "" },
-            if is_packed { ", packed with gzip" } else { "" }
-        ),
-        is_label: header.is_label,
-        volumes,
-        notes,
-    })
+    let description = header.description.clone();
+    let volume = volume(header.dims, header.voxel_size, samples, description);
+    Ok(header.scan(volume.into(), volumes, is_packed, reading))
 }
 
 /// Returns whether `start` is the header of a file of either version and byte order. Older headers carry no signature,
@@ -138,7 +170,7 @@ fn voxels(
     bytes: u64,
     reading: &Reading,
 ) -> Result<Vec<u8>, FormatError> {
-    if file.starts_with(&[0x1F, 0x8B]) {
+    if is_packed(&file) {
         return exactly(&mut MultiGzDecoder::new(file.as_slice()), offset, bytes, reading.progress);
     }
     let found = (file.len() as u64).saturating_sub(offset);
@@ -319,6 +351,31 @@ impl<'a> NiftiFields<'a> {
 }
 
 impl NiftiHeader {
+    /// Returns the scan of one of its volumes.
+    fn scan(
+        self,
+        volume: ScanVolume,
+        volumes: Volumes,
+        is_packed: bool,
+        reading: &Reading,
+    ) -> Scan {
+        let mut notes = self.notes;
+        notes.extend(reading.first_of(self.volumes));
+        Scan {
+            volume,
+            frame: self.frame,
+            kind: format!(
+                "NIfTI-{}{}{}",
+                self.version,
+                if self.is_pair { ", voxels in a second file" } else { "" },
+                if is_packed { ", packed with gzip" } else { "" }
+            ),
+            is_label: self.is_label,
+            volumes,
+            notes,
+        }
+    }
+
     fn parse(start: &[u8]) -> Result<NiftiHeader, FormatError> {
         let fields = NiftiFields::of(start)?;
         let sizes = fields.sizes()?;

@@ -14,18 +14,111 @@ use super::numbers::{Number, volume};
 use super::reading::{Reading, Scan};
 use super::segments::Segments;
 use super::unpack::{cut, exactly, malformed};
-use crate::format::FormatError;
+use crate::format::layered::{LayeredVolume, PartPacking, StoredVoxels, VoxelPart};
 use crate::format::spec::{FormatSpec, Import, Sign};
 use crate::format::volume::Samples;
+use crate::format::{FormatError, store};
 
 pub static SPEC: FormatSpec = FormatSpec {
     signs: &[Sign::At(0, MAGIC)],
-    ..FormatSpec::new(
-        "an NRRD scan",
-        &["nrrd", "nhdr"],
-        Import::Scan(|reading| reading.read_whole(reading.path, |file| read(file, reading))),
-    )
+    ..FormatSpec::new("an NRRD scan", &["nrrd", "nhdr"], Import::Scan(open))
 };
+
+fn open(reading: &Reading) -> Result<(Scan, u64), FormatError> {
+    if reading.in_layers
+        && let Some(scan) = layered(reading)?
+    {
+        return Ok((scan, std::fs::metadata(reading.path)?.len()));
+    }
+    reading.read_whole(reading.path, |file| read(file, reading))
+}
+
+/// Returns the scan of a large volume that stays in its files; `None` for one that must be read whole.
+fn layered(reading: &Reading) -> Result<Option<Scan>, FormatError> {
+    let header = NrrdHeader::parse(&reading.start(reading.path)?)?;
+    let layout = NrrdLayout::of(&header)?;
+    let number = layout.number(&header);
+    let packing = match header.encoding {
+        NrrdEncoding::Raw => PartPacking::Plain,
+        NrrdEncoding::Gzip => PartPacking::Gzip,
+        NrrdEncoding::Bzip2 => PartPacking::Bzip2,
+        NrrdEncoding::Text | NrrdEncoding::Hex => return Ok(None),
+    };
+    let of_layers = if layout.others.len() == 1 { layout.volumes } else { 1 };
+    let has_segments = layout.colours == 1 && Segments::of(&header.pairs, of_layers).is_some();
+    let is_plain = layout.is_in_order() && header.line_skip == 0 && !has_segments;
+    if !is_plain || !reading.is_large(number.volume_bytes(layout.dims)) {
+        return Ok(None);
+    }
+    let volumes = reading.volumes(layout.volumes)?;
+    reading.admit(layout.dims, layout.voxel_size)?;
+    let total = header.total_bytes();
+    let mut parts = Vec::new();
+    let names = header.data_files.as_slice();
+    let count = names.len().max(1) as u64;
+    if !total.is_multiple_of(count) {
+        return Err(unequal(total, count));
+    }
+    let own = names.is_empty().then(|| Ok(reading.path.to_path_buf()));
+    for path in own.into_iter().chain(names.iter().map(|name| reading.beside(name))) {
+        let (path, bytes) = (path?, total / count);
+        let header_bytes = if names.is_empty() { header.bytes as u64 } else { 0 };
+        let begin = match (packing, u64::try_from(header.byte_skip)) {
+            (PartPacking::Plain, Ok(skip)) => header_bytes + skip,
+            // As many as precede the voxels at the end.
+            (PartPacking::Plain, Err(_)) => {
+                let found = store::open(&path)?.metadata()?.len();
+                found.checked_sub(bytes).ok_or_else(|| cut(bytes, found))?
+            }
+            // After unpacking.
+            (_, skip) => skip.unwrap_or(0),
+        };
+        let packed_at = if packing == PartPacking::Plain { 0 } else { header_bytes };
+        parts.push(VoxelPart { path, packing, packed_at, begin, bytes });
+    }
+    let skip = layout.begin(volumes.time.index()) * header.number.bytes();
+    let (is_big, scale) = (header.is_big, [1.0, 0.0]);
+    let stored = StoredVoxels { parts, skip, number, is_big, scale };
+    let kind = kind(&header);
+    let mut notes = notes(&header, &layout);
+    notes.extend(reading.first_of(layout.volumes));
+    let (dims, voxel_size) = (layout.dims, layout.voxel_size);
+    let volume =
+        LayeredVolume::new(stored, dims, voxel_size, header.content, reading.progress)?.into();
+    Ok(Some(Scan { volume, frame: layout.frame, kind, is_label: false, volumes, notes }))
+}
+
+/// Returns notes on the header.
+fn notes(header: &NrrdHeader, layout: &NrrdLayout) -> Vec<String> {
+    let mut notes = layout.notes.clone();
+    if !header.unknown_units.is_empty() {
+        let units = header.unknown_units.join("`, `");
+        notes.push(format!("lengths in the unknown unit `{units}` were taken as millimetres"));
+    }
+    notes
+}
+
+/// Returns the display name of the packing.
+fn kind(header: &NrrdHeader) -> String {
+    let packing = match header.encoding {
+        NrrdEncoding::Raw => "not packed",
+        NrrdEncoding::Text => "as text",
+        NrrdEncoding::Hex => "hexadecimal",
+        NrrdEncoding::Gzip => "packed with gzip",
+        NrrdEncoding::Bzip2 => "packed with bzip2",
+    };
+    let elsewhere = match header.data_files.len() {
+        0 => String::new(),
+        1 => ", voxels in a second file".to_string(),
+        n => format!(", voxels in {n} other files"),
+    };
+    format!("NRRD, {packing}{elsewhere}")
+}
+
+/// Returns the error of voxels that do not fill their files.
+fn unequal(total: u64, count: u64) -> FormatError {
+    malformed("the header", format!("{total} bytes of voxels cannot lie in {count} files alike"))
+}
 
 fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     let header = NrrdHeader::parse(&file)?;
@@ -36,9 +129,7 @@ fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     let volumes = reading.volumes(if segments.is_some() { 1 } else { layout.volumes })?;
     reading.admit(layout.dims, layout.voxel_size)?;
     // All unpacked data, and the result made from it.
-    let total =
-        header.axes.iter().try_fold(header.number.bytes(), |n, axis| n.checked_mul(axis.size));
-    let total = total.filter(|n| *n < u64::MAX / 8).unwrap_or(u64::MAX / 8);
+    let total = header.total_bytes();
     let file_bytes = file.len() as u64;
     crate::format::budget::check_budget(total, reading.rest_bytes(file_bytes))?;
     header.number.check(layout.dims, reading.rest_bytes(file_bytes + total))?;
@@ -48,16 +139,8 @@ fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
         [name] => unpack(&reading.read_beside(&reading.beside(name)?)?, &header, total, reading)?,
         names => join(names, &header, total, reading)?,
     };
-    let number = match layout.colours {
-        3 => Number::Rgb,
-        4 => Number::Rgba,
-        _ => header.number,
-    };
-    let mut notes = layout.notes.clone();
-    if !header.unknown_units.is_empty() {
-        let units = header.unknown_units.join("`, `");
-        notes.push(format!("lengths in the unknown unit `{units}` were taken as millimetres"));
-    }
+    let number = layout.number(&header);
+    let mut notes = notes(&header, &layout);
     let samples = match &segments {
         Some(segments) => {
             notes.push(segments.note());
@@ -77,22 +160,11 @@ fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
             number.into_samples(data, header.is_big, [1.0, 0.0])
         }
     };
-    let packing = match header.encoding {
-        NrrdEncoding::Raw => "not packed",
-        NrrdEncoding::Text => "as text",
-        NrrdEncoding::Hex => "hexadecimal",
-        NrrdEncoding::Gzip => "packed with gzip",
-        NrrdEncoding::Bzip2 => "packed with bzip2",
-    };
-    let elsewhere = match header.data_files.len() {
-        0 => String::new(),
-        1 => ", voxels in a second file".to_string(),
-        n => format!(", voxels in {n} other files"),
-    };
+    let kind = kind(&header);
     Ok(Scan {
-        volume: volume(layout.dims, layout.voxel_size, samples, header.content),
+        volume: volume(layout.dims, layout.voxel_size, samples, header.content).into(),
         frame: layout.frame,
-        kind: format!("NRRD, {packing}{elsewhere}"),
+        kind,
         is_label: segments.is_some(),
         volumes,
         notes,
@@ -108,8 +180,7 @@ fn join(
 ) -> Result<Vec<u8>, FormatError> {
     let count = names.len() as u64;
     if !total.is_multiple_of(count) {
-        let what = format!("{total} bytes of voxels cannot lie in {count} files alike");
-        return Err(malformed("the header", what));
+        return Err(unequal(total, count));
     }
     // All names are checked first: a refusal should not wait until the preceding files are read.
     let paths: Vec<_> = names.iter().map(|name| reading.beside(name)).collect::<Result<_, _>>()?;
@@ -316,15 +387,30 @@ impl NrrdLayout {
         (0..count).map(of).collect()
     }
 
+    /// Returns the type of a voxel.
+    fn number(&self, header: &NrrdHeader) -> Number {
+        match self.colours {
+            3 => Number::Rgb,
+            4 => Number::Rgba,
+            _ => header.number,
+        }
+    }
+
+    /// Returns whether the voxels of the volume follow one another, x fastest, then y, then z.
+    fn is_in_order(&self) -> bool {
+        let [width, height, depth] = self.dims.to_array().map(u64::from);
+        let [x, y, z] = self.strides.map(|stride| stride / self.colours);
+        (x == 1 || width == 1)
+            && (y == width || height == 1)
+            && (z == width.saturating_mul(height) || depth == 1)
+    }
+
     /// Returns the voxels of the volume, x fastest, of `bytes` each.
     fn gather(&self, data: Vec<u8>, bytes: usize) -> Vec<u8> {
         let UVec3 { x: width, y: height, z: depth } = self.dims;
         let [x, y, z] = self.strides.map(|stride| (stride / self.colours) as usize * bytes);
         let row = width as usize * bytes;
-        if (x == bytes || width == 1)
-            && (y == row || height == 1)
-            && (z == row * height as usize || depth == 1)
-        {
+        if self.is_in_order() {
             let mut data = data;
             data.truncate(row * height as usize * depth as usize);
             return data;

@@ -69,6 +69,13 @@ pub struct NrrdHeader {
 }
 
 impl NrrdHeader {
+    /// Returns the bytes of all voxels of the file, and a huge number if it states more.
+    pub fn total_bytes(&self) -> u64 {
+        let total =
+            self.axes.iter().try_fold(self.number.bytes(), |n, axis| n.checked_mul(axis.size));
+        total.filter(|n| *n < u64::MAX / 8).unwrap_or(u64::MAX / 8)
+    }
+
     pub fn parse(file: &[u8]) -> Result<NrrdHeader, FormatError> {
         if !file.starts_with(MAGIC) {
             return Err(FormatError::Scan(format!(

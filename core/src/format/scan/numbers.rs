@@ -65,8 +65,30 @@ impl Number {
         Ok(total / (self.bytes() + 4) * self.bytes())
     }
 
+    /// Returns the numbers of samples, and whether their first byte is the highest; `None` for bytes without a meaning.
+    pub(crate) fn of(samples: Samples) -> Option<(Number, bool)> {
+        Some(match samples {
+            Samples::U8 => (Number::U8, false),
+            Samples::U16Le => (Number::U16, false),
+            Samples::U16Be => (Number::U16, true),
+            Samples::I16Le => (Number::I16, false),
+            Samples::I16Be => (Number::I16, true),
+            Samples::F32Le => (Number::F32, false),
+            Samples::F32Be => (Number::F32, true),
+            Samples::Rgb8 => (Number::Rgb, false),
+            Samples::Rgba8 => (Number::Rgba, false),
+            Samples::Bytes(_) => return None,
+        })
+    }
+
+    /// Returns the bytes of a volume of these numbers.
+    pub(crate) fn volume_bytes(self, dims: UVec3) -> u64 {
+        let sizes = dims.to_array().map(u64::from);
+        sizes.into_iter().fold(self.bytes(), u64::saturating_mul)
+    }
+
     /// Returns the sample type that holds these numbers unchanged.
-    fn same(self, is_big: bool) -> Option<Samples> {
+    pub(crate) fn same(self, is_big: bool) -> Option<Samples> {
         Some(match (self, is_big) {
             (Number::U8, _) => Samples::U8,
             (Number::I16, false) => Samples::I16Le,
@@ -81,55 +103,96 @@ impl Number {
         })
     }
 
-    /// Converts numbers to samples, each times `slope` plus `intercept`. Whole numbers that fit 16 bits stay whole.
+    /// Converts numbers to samples, each times a slope plus an intercept. Whole numbers that fit 16 bits stay whole.
     pub(crate) fn into_samples(
         self,
         data: Vec<u8>,
         is_big: bool,
-        [slope, intercept]: [f64; 2],
+        scale: [f64; 2],
     ) -> (Samples, Vec<u8>) {
-        let is_colour = matches!(self, Number::Rgb | Number::Rgba);
-        let is_plain = slope == 1.0 && intercept == 0.0 || is_colour;
-        if let (Some(samples), true) = (self.same(is_big), is_plain) {
+        if self.is_kept(scale)
+            && let Some(samples) = self.same(is_big)
+        {
             return (samples, data);
         }
-        let small = matches!(self, Number::I8 | Number::U8 | Number::I16 | Number::U16);
-        if small && slope.fract() == 0.0 && intercept.fract() == 0.0 {
-            let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
-            with_number!(self, is_big, |bytes: usize, read: &dyn Fn(&[u8]) -> f64| {
-                for number in data.chunks_exact(bytes) {
-                    let value = read(number) * slope + intercept;
-                    (least, most) = (least.min(value), most.max(value));
-                }
-            });
-            if least >= f64::from(i16::MIN) && most <= f64::from(i16::MAX) {
-                let mut out = Vec::with_capacity(data.len() / self.bytes() as usize * 2);
-                with_number!(self, is_big, |bytes: usize, read: &dyn Fn(&[u8]) -> f64| {
-                    for number in data.chunks_exact(bytes) {
-                        let value = (read(number) * slope + intercept) as i16;
-                        out.extend_from_slice(&value.to_le_bytes());
-                    }
-                });
-                return (Samples::I16Le, out);
-            }
-        }
-        (Samples::F32Le, self.to_floats(&data, is_big, [slope, intercept]))
+        let samples = self
+            .samples_unless_small(is_big, scale)
+            .unwrap_or_else(|| Number::samples_of_range(self.range(&data, is_big, scale)));
+        let mut out = Vec::new();
+        self.convert(&data, is_big, scale, samples, &mut out);
+        (samples, out)
     }
 
-    /// Converts numbers to [`Samples::F32Le`], each times `slope` plus `intercept`.
-    pub(crate) fn to_floats(
+    fn is_colour(self) -> bool {
+        matches!(self, Number::Rgb | Number::Rgba)
+    }
+
+    /// Returns whether the scale changes no number.
+    pub(crate) fn is_kept(self, scale: [f64; 2]) -> bool {
+        scale == [1.0, 0.0] || self.is_colour()
+    }
+
+    /// Returns the samples of numbers, each times a slope plus an intercept; `None` if they depend on the range of whole
+    /// numbers that may fit 16 bits ([`Number::samples_of_range`]).
+    pub(crate) fn samples_unless_small(self, is_big: bool, scale: [f64; 2]) -> Option<Samples> {
+        let same = self.same(is_big).filter(|_| self.is_kept(scale));
+        let is_small = matches!(self, Number::I8 | Number::U8 | Number::I16 | Number::U16);
+        let is_whole = scale.iter().all(|part| part.fract() == 0.0);
+        same.or((!is_small || !is_whole).then_some(Samples::F32Le))
+    }
+
+    /// Returns the samples of whole numbers of a range.
+    pub(crate) fn samples_of_range((least, most): (f64, f64)) -> Samples {
+        match least >= f64::from(i16::MIN) && most <= f64::from(i16::MAX) {
+            true => Samples::I16Le,
+            false => Samples::F32Le,
+        }
+    }
+
+    /// Returns the least and the greatest of numbers, each times `slope` plus `intercept`.
+    pub(crate) fn range(
         self,
         data: &[u8],
         is_big: bool,
         [slope, intercept]: [f64; 2],
-    ) -> Vec<u8> {
-        let mut out = Vec::with_capacity(data.len() / self.bytes() as usize * 4);
+    ) -> (f64, f64) {
+        let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
         with_number!(self, is_big, |bytes: usize, read: &dyn Fn(&[u8]) -> f64| {
             for number in data.chunks_exact(bytes) {
-                let value = (read(number) * slope + intercept) as f32;
-                out.extend_from_slice(&value.to_le_bytes());
+                let value = read(number) * slope + intercept;
+                (least, most) = (least.min(value), most.max(value));
             }
         });
+        (least, most)
+    }
+
+    /// Appends numbers, each times `slope` plus `intercept`, to `out` as [`Samples::I16Le`] or else as
+    /// [`Samples::F32Le`].
+    pub(crate) fn convert(
+        self,
+        data: &[u8],
+        is_big: bool,
+        [slope, intercept]: [f64; 2],
+        samples: Samples,
+        out: &mut Vec<u8>,
+    ) {
+        out.reserve(data.len() / self.bytes() as usize * samples.bytes() as usize);
+        let is_whole = samples == Samples::I16Le;
+        with_number!(self, is_big, |bytes: usize, read: &dyn Fn(&[u8]) -> f64| {
+            for number in data.chunks_exact(bytes) {
+                let value = read(number) * slope + intercept;
+                match is_whole {
+                    true => out.extend_from_slice(&(value as i16).to_le_bytes()),
+                    false => out.extend_from_slice(&(value as f32).to_le_bytes()),
+                }
+            }
+        });
+    }
+
+    /// Converts numbers to [`Samples::F32Le`], each times a slope plus an intercept.
+    pub(crate) fn to_floats(self, data: &[u8], is_big: bool, scale: [f64; 2]) -> Vec<u8> {
+        let mut out = Vec::new();
+        self.convert(data, is_big, scale, Samples::F32Le, &mut out);
         out
     }
 }

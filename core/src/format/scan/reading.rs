@@ -1,19 +1,55 @@
 //! The input and the output of a reader of scans. The files that belong to the one to be read are found only in its
 //! folder or below. Knows no format.
 
+use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
 use glam::{UVec3, Vec3};
 
 use super::frame::AxisFrame;
+use crate::format::budget::check_budget;
+use crate::format::layered::LayeredVolume;
 use crate::format::options::ImportOptions;
 use crate::format::{FormatError, Volume, Volumes, budget_bytes, error, prepare, store};
 use crate::progress::Progress;
 use crate::sculpture::{Grid, Limits};
 
+/// The voxels of a scan.
+pub enum ScanVolume {
+    /// In memory.
+    Held(Volume),
+    /// In their files.
+    Layered(LayeredVolume),
+}
+
+impl From<Volume> for ScanVolume {
+    fn from(volume: Volume) -> ScanVolume {
+        ScanVolume::Held(volume)
+    }
+}
+
+impl From<LayeredVolume> for ScanVolume {
+    fn from(volume: LayeredVolume) -> ScanVolume {
+        ScanVolume::Layered(volume)
+    }
+}
+
+impl ScanVolume {
+    /// Returns the volume in memory: reads it if it lies in its files, where it must fit into `budget_bytes`.
+    pub fn held(self, budget_bytes: u64, progress: &dyn Progress) -> Result<Volume, FormatError> {
+        match self {
+            ScanVolume::Held(volume) => Ok(volume),
+            ScanVolume::Layered(volume) => {
+                check_budget(volume.bytes(), budget_bytes)?;
+                volume.held(progress)
+            }
+        }
+    }
+}
+
 /// A scan as read.
 pub struct Scan {
-    pub volume: Volume,
+    pub volume: ScanVolume,
     pub frame: AxisFrame,
     /// Display name of the format and packing.
     pub kind: String,
@@ -27,7 +63,7 @@ pub struct Scan {
 
 impl Scan {
     /// Returns a volume of a file that states nothing but its voxels.
-    pub fn bare(volume: Volume, kind: String, volumes: Volumes) -> Scan {
+    pub fn bare(volume: ScanVolume, kind: String, volumes: Volumes) -> Scan {
         Scan {
             volume,
             frame: AxisFrame::Unknown,
@@ -49,13 +85,23 @@ pub struct Reading<'a> {
     pub options: &'a ImportOptions,
     pub limits: &'a Limits,
     pub progress: &'a dyn Progress,
+    /// Whether large volumes may stay in their files.
+    pub in_layers: bool,
 }
+
+/// The most bytes of a header of a volume that stays in its files.
+const START_BYTES: u64 = 1 << 20;
 
 impl Reading<'_> {
     /// Returns an error if no grid can hold the result of such a volume.
     pub(crate) fn admit(&self, dims: UVec3, voxel_size: Vec3) -> Result<(), FormatError> {
         let (dims, voxel_size) = prepare::prepared(dims, voxel_size, self.options)?;
-        Ok(Grid::check(dims, voxel_size, self.limits.grid_bytes)?)
+        match self.in_layers {
+            // Its bits are counted as they come.
+            true => Grid::check_size(dims, voxel_size)?,
+            false => Grid::check(dims, voxel_size, self.limits.grid_bytes)?,
+        }
+        Ok(())
     }
 
     /// Returns the volume to read from a file with so many times and one channel.
@@ -72,6 +118,19 @@ impl Reading<'_> {
     /// Returns the memory that is left beside a file of that length, in bytes.
     pub(crate) fn rest_bytes(&self, file_bytes: u64) -> u64 {
         budget_bytes(self.limits).saturating_sub(file_bytes)
+    }
+
+    /// Returns the first bytes of a file, to decide whether its volume may stay there.
+    pub(crate) fn start(&self, path: &Path) -> Result<Vec<u8>, FormatError> {
+        let mut start = Vec::new();
+        store::open(path)?.take(START_BYTES).read_to_end(&mut start)?;
+        Ok(start)
+    }
+
+    /// Returns whether a volume of that size should stay in its files: it takes more than a quarter of the memory that
+    /// is allowed.
+    pub(crate) fn is_large(&self, volume_bytes: u64) -> bool {
+        self.in_layers && volume_bytes > budget_bytes(self.limits) / 4
     }
 
     /// Returns a whole file.

@@ -119,7 +119,14 @@ fn read(path: &Path, mut file: Vec<u8>, reading: &Reading) -> Result<Scan, Forma
         None => number.into_samples(stack.data, false, [1.0, 0.0]),
     };
     let volume = volume(dims, voxel_size, samples, Vec::new());
-    Ok(Scan { volume, frame: AxisFrame::Unknown, kind, is_label: false, volumes, notes })
+    Ok(Scan {
+        volume: volume.into(),
+        frame: AxisFrame::Unknown,
+        kind,
+        is_label: false,
+        volumes,
+        notes,
+    })
 }
 
 /// Returns the start of the first page if the others follow it without directories of their own, as ImageJ writes large

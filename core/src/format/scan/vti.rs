@@ -92,7 +92,7 @@ fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     let volumes = reading.volumes(1)?;
     Ok(Scan {
         volumes,
-        volume: volume(dims, voxel_size, samples, name),
+        volume: volume(dims, voxel_size, samples, name).into(),
         frame,
         kind: format!("VTK image data, {format}{packing}{pieces}"),
         is_label: false,

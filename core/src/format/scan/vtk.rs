@@ -100,7 +100,7 @@ fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     let volumes = reading.volumes(1)?;
     Ok(Scan {
         volumes,
-        volume: volume(dims, voxel_size, samples, head.title),
+        volume: volume(dims, voxel_size, samples, head.title).into(),
         frame: AxisFrame::Unknown,
         kind: format!("VTK structured points, {coding}"),
         is_label: false,

@@ -6,8 +6,9 @@ use super::Outlook;
 use crate::format::mesh_in::{Imported, MeshReader};
 use crate::format::options::{Colouring, ImportOptions};
 use crate::format::{FormatError, voxel};
+use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::sculpture::orientation::Up;
-use crate::sculpture::{Grid, Limits};
+use crate::sculpture::{Brick, Grid};
 use crate::voxelise::{MeshPlacement, bounds};
 
 /// Greatest number of triangles that an outline shows.
@@ -70,23 +71,25 @@ impl MeshStudy {
     }
 
     /// Returns the sculpture that an import of the mesh would make; an error if it cannot be imported with these
-    /// options. Triangles may need more memory than stated.
-    pub fn outlook(
-        &self,
-        options: &ImportOptions,
-        limits: &Limits,
-    ) -> Result<Outlook, FormatError> {
+    /// options. The memory is an estimate: that of a shape with as much surface as the mesh's box. The voxels of rugged
+    /// shapes may need more, and are refused then.
+    pub fn outlook(&self, options: &ImportOptions) -> Result<Outlook, FormatError> {
         let depth = voxel::colour_depth(options)?;
         let frame = self.frame(options)?;
-        Grid::check(frame.dims, frame.voxel_size, limits.grid_bytes)?;
-        let voxels = frame.dims.as_u64vec3().element_product();
+        Grid::check_size(frame.dims, frame.voxel_size)?;
+        let size = frame.dims.as_u64vec3();
+        let voxels = size.element_product();
+        let surface_vx = 2 * (size.x * size.y + size.y * size.z + size.z * size.x);
+        // Two rows of bricks beside each piece of the surface.
+        let surface_bytes =
+            surface_vx / u64::from(BRICK_EDGE_VX.pow(2)) * 2 * size_of::<Brick>() as u64;
         let coloured = self.has_colours && options.colouring != Colouring::None;
         Ok(Outlook {
             dims: frame.dims,
             voxel_size: frame.voxel_size,
-            // A bit for each voxel, three times.
-            read_bytes: voxels.div_ceil(8) * 3,
-            grid_bytes: Grid::bytes_for(frame.dims),
+            // The crossings along z, and a layer of 64 voxels.
+            read_bytes: surface_vx * 8 + size.x * size.y * 8 * 2,
+            grid_bytes: surface_bytes.min(Grid::bytes_for(frame.dims)),
             colour_bytes: if coloured { voxels * depth.bytes() as u64 } else { 0 },
         })
     }

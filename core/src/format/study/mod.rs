@@ -14,6 +14,7 @@ pub use self::mesh::MeshStudy;
 pub use self::model::{ModelStudy, SurfaceVoxel};
 pub use self::volume::{Existing, VolumeStudy};
 use super::options::ImportOptions;
+use super::scan::Reading;
 use super::spec::Import;
 use super::{FormatError, budget_bytes, content, import, mesh_in, read_file, read_volume};
 use crate::progress::Progress;
@@ -106,8 +107,11 @@ pub fn study(
             let options = ImportOptions { raw, channel, time, ..ImportOptions::default() };
             let (grid_bytes, colour_bytes) = (budget_bytes(limits), 0);
             let limits = Limits { grid_bytes, colour_bytes, ..*limits };
-            let (volume, source) = read_volume(format, path, &options, &limits, progress)?;
-            if import::trusted_signature(&volume).is_some() {
+            let (options, limits) = (&options, &limits);
+            let reading = Reading { path, options, limits, progress, in_layers: false };
+            let (volume, source) = read_volume(format, &reading)?;
+            let volume = volume.held(budget_bytes(limits), progress)?;
+            if import::trusted_signature(&volume.texts, volume.samples).is_some() {
                 return Ok(Study::Settled);
             }
             VolumeStudy::of(volume, source).map(|study| Study::Volume(Box::new(study)))

@@ -174,7 +174,7 @@ pub(super) fn leaf_of(extent: &Extent, leaf: UVec3, f: impl Fn(UVec3, &Brick) ->
 }
 
 /// Returns the node of `level` (2 or more) from brick `low` on, of leaves.
-fn node_of(
+pub(super) fn node_of(
     extent: &Extent,
     low: UVec3,
     level: u32,

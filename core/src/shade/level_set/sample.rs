@@ -79,7 +79,7 @@ impl LevelSampler {
             return;
         }
         self.cells.reset(levels.cells().dims(), LevelSet::rays_of_cells(&map.rays));
-        raycast::sample_rect(levels.cells(), &mut self.cells, rect);
+        raycast::sample_exact_rect(levels.cells(), &mut self.cells, rect);
         let scene = LevelScene { grid, normals, levels };
         let (rays, sample) = (self.cells.rays, self.sample);
         map.renew(grid.dims(), rect);

@@ -28,11 +28,8 @@ fn errors(grid: &Grid, rays: &PixelRays, distance: impl Fn(Vec3) -> f32) -> [f32
     let (normals, levels) = smooth(grid);
     let scene = ray::LevelScene { grid, normals: &normals, levels: &levels };
     let mut cells = IndexMap::new(LevelSet::rays_of_cells(rays));
-    crate::surface::raycast::sample_rect(
-        levels.cells(),
-        &mut cells,
-        PixelRect::of_picture(rays.size),
-    );
+    let rays_of_cells = cells.rays;
+    crate::surface::raycast::sample_exact(levels.cells(), &rays_of_cells, &mut cells);
     let mut found = Vec::new();
     for y in 0..rays.size.y {
         for x in 0..rays.size.x {

@@ -1,14 +1,14 @@
-//! Traces sixteen rays at once through one brick.
+//! Traces sixteen rays at once through a brick or a full cube.
 //!
-//! Takes the pixels of the rays and a non-empty brick, returns the first existing voxel on each ray. Orders crossings
-//! as `ray` defines, by the same arithmetic.
+//! Takes the pixels of the rays and a box of voxels, returns the voxels by which they enter it, or the first existing
+//! voxel of a brick on each ray. Orders crossings as `ray` defines, by the same arithmetic.
 
 use fearless_simd::{Level, Simd, f32x16, mask32x16, prelude::*, u8x16, u8x64, u32x16};
 use glam::{IVec3, Vec3};
 
 use super::projection::TileFrame;
 use super::ray::STANDSTILL;
-use crate::sculpture::Brick;
+use crate::sculpture::grid::BRICK_LEVEL;
 use crate::sculpture::vectors::for_axes;
 use crate::view::PixelRays;
 
@@ -21,31 +21,26 @@ const FIELD: u32 = 10;
 /// have left long before a coordinate could overflow its ten bits.
 const GUARD: u32 = 0x3F8 | 0x3F8 << FIELD | 0x3F8 << (2 * FIELD);
 
-/// A brick prepared for packets.
-pub(super) struct PacketBrick {
-    /// 64 rows of eight voxels along x, y the faster: a byte each.
-    rows: [u8; 64],
-    full: bool,
+/// A box of voxels, prepared for packets.
+#[derive(Clone, Copy)]
+pub(super) struct PacketBox {
     /// Lower and upper planes, relative to the eye.
     low: Vec3,
     high: Vec3,
-    /// Lower corner.
+    /// The lowest voxel, and one past the highest.
     corner: Vec3,
+    end: Vec3,
+    /// The logarithm of its longest edge, rounded up.
+    level: u32,
 }
 
-impl PacketBrick {
+impl PacketBox {
+    /// Returns the part below `dims` of a cube of `2^level` voxels an edge.
     #[inline(always)]
-    pub fn new(brick: &Brick, corner: IVec3, eye: Vec3) -> PacketBrick {
+    pub fn new(corner: IVec3, level: u32, dims: IVec3, eye: Vec3) -> PacketBox {
+        let end = (corner + (1 << level)).min(dims).as_vec3();
         let corner = corner.as_vec3();
-        let full = brick.is_full();
-        PacketBrick {
-            // Not read for a full brick.
-            rows: if full { [0; 64] } else { bytemuck::cast(brick.to_rows()) },
-            full,
-            low: corner - eye,
-            high: corner + 8.0 - eye,
-            corner,
-        }
+        PacketBox { low: corner - eye, high: end - eye, corner, end, level }
     }
 }
 
@@ -63,17 +58,17 @@ struct PacketRays<S: Simd> {
     inverse: [f32x16<S>; 3],
 }
 
-/// The entry of rays into a brick.
-struct BrickEntry<S: Simd> {
+/// The entry of rays into a box.
+struct BoxEntry<S: Simd> {
     /// The planes of each axis that are crossed before these times come before the entry.
     before: [f32x16<S>; 3],
-    /// The rays that pass through the brick.
+    /// The rays that pass through the box.
     passes: mask32x16<S>,
 }
 
-/// The voxels in which rays enter a brick.
+/// The voxels in which rays enter a box.
 struct Entered<S: Simd> {
-    /// In the brick.
+    /// In the box.
     voxel: [u32x16<S>; 3],
     /// The last plane crossed on each axis.
     plane: [f32x16<S>; 3],
@@ -82,28 +77,61 @@ struct Entered<S: Simd> {
     step: [f32x16<S>; 3],
 }
 
-/// Casts the rays of the first `count` pixels (`x | y << 6` in the tile).
+/// The rays of the first `count` of sixteen pixels (`x | y << 6` in the tile).
+#[derive(Clone, Copy)]
+pub(super) struct Packet<'a> {
+    pub rays: &'a PixelRays,
+    pub frame: &'a TileFrame,
+    pub pixels: &'a [u32; LANES],
+    pub count: usize,
+}
+
+/// Returns the voxels in which rays enter a box.
+#[inline(always)]
+pub(super) fn enter_packet<S: Simd>(simd: S, packet: Packet, within: PacketBox) -> PacketHit<S> {
+    let (rays, entry, active) = pass(simd, packet, within);
+    match active.any_true() {
+        false => PacketHit::none(simd),
+        true => {
+            let voxels = rays.enter(within, &entry, within.level).voxel;
+            PacketHit { lanes: active.to_bitmask() as u32, voxels }
+        }
+    }
+}
+
+/// Returns the first existing voxels of a brick, by its rows ([`crate::sculpture::Brick::to_rows`]), on rays.
 #[inline(always)]
 pub(super) fn cast_packet<S: Simd>(
     simd: S,
-    rays: &PixelRays,
-    frame: &TileFrame,
-    brick: &PacketBrick,
-    pixels: &[u32; LANES],
-    count: usize,
+    packet: Packet,
+    within: PacketBox,
+    rows: &[u8; 64],
 ) -> PacketHit<S> {
-    let pixels = u32x16::load_array_ref(simd, pixels);
-    let rays = PacketRays::new(simd, rays, frame, pixels);
-    let entry = rays.entry(brick);
+    let (rays, entry, active) = pass(simd, packet, within);
+    match active.any_true() {
+        false => PacketHit::none(simd),
+        true => rays.walk(rows, rays.enter(within, &entry, BRICK_LEVEL), active),
+    }
+}
+
+/// Returns the rays of a packet, their entry into a box, and which of them pass through it.
+#[inline(always)]
+fn pass<S: Simd>(
+    simd: S,
+    Packet { rays, frame, pixels, count }: Packet,
+    within: PacketBox,
+) -> (PacketRays<S>, BoxEntry<S>, mask32x16<S>) {
+    let rays = PacketRays::new(simd, rays, frame, u32x16::load_array_ref(simd, pixels));
+    let entry = rays.entry(within);
     let active = entry.passes & mask32x16::from_bitmask(simd, (1 << count) - 1);
-    if !active.any_true() {
-        return PacketHit { lanes: 0, voxels: [pixels; 3] };
+    (rays, entry, active)
+}
+
+impl<S: Simd> PacketHit<S> {
+    #[inline(always)]
+    fn none(simd: S) -> PacketHit<S> {
+        PacketHit { lanes: 0, voxels: [u32x16::splat(simd, 0); 3] }
     }
-    let entered = rays.enter(brick, &entry);
-    if brick.full {
-        return PacketHit { lanes: active.to_bitmask() as u32, voxels: entered.voxel };
-    }
-    rays.walk(brick, entered, active)
 }
 
 impl<S: Simd> PacketRays<S> {
@@ -126,13 +154,13 @@ impl<S: Simd> PacketRays<S> {
     }
 
     #[inline(always)]
-    fn entry(&self, brick: &PacketBrick) -> BrickEntry<S> {
+    fn entry(&self, within: PacketBox) -> BoxEntry<S> {
         let inverse = &self.inverse;
-        // The times at which the rays enter and leave the brick's slab of each axis.
+        // The times at which the rays enter and leave the box's slab of each axis.
         let [(near_x, far_x), (near_y, far_y), (near_z, far_z)] = for_axes(
             #[inline(always)]
             |axis| {
-                let (a, b) = (inverse[axis] * brick.low[axis], inverse[axis] * brick.high[axis]);
+                let (a, b) = (inverse[axis] * within.low[axis], inverse[axis] * within.high[axis]);
                 (a.min(b), a.max(b))
             },
         );
@@ -146,12 +174,13 @@ impl<S: Simd> PacketRays<S> {
         let before =
             [by_y.select(after, entry), by_z.select(after, entry), start.select(after, entry)];
         let passes = far_x.simd_ge(before[0]) & far_y.simd_ge(before[1]) & far_z.simd_ge(before[2]);
-        BrickEntry { before, passes }
+        BoxEntry { before, passes }
     }
 
-    /// Returns the voxels entered: on each axis, advanced by the number of planes crossed before the entry.
+    /// Returns the voxels entered: on each axis, advanced by the number of planes crossed before the entry, which are less
+    /// than `2^level`.
     #[inline(always)]
-    fn enter(&self, brick: &PacketBrick, entry: &BrickEntry<S>) -> Entered<S> {
+    fn enter(&self, within: PacketBox, entry: &BoxEntry<S>, level: u32) -> Entered<S> {
         let splat = |v: f32| f32x16::splat(self.simd, v);
         let (eye, inverse) = (self.eye, &self.inverse);
         let backward = for_axes(
@@ -165,10 +194,10 @@ impl<S: Simd> PacketRays<S> {
         let plane = for_axes(
             #[inline(always)]
             |axis| {
-                let corner = brick.corner[axis];
-                let mut plane = backward[axis].select(splat(corner + 8.0), splat(corner));
-                for jump in [4.0, 2.0, 1.0] {
-                    let next = plane + step[axis] * jump;
+                let (low, high) = (within.corner[axis], within.end[axis]);
+                let mut plane = backward[axis].select(splat(high), splat(low));
+                for half in (0..level).rev() {
+                    let next = plane + step[axis] * (1 << half) as f32;
                     let t = (next - eye[axis]) * inverse[axis];
                     plane = t.simd_lt(entry.before[axis]).select(next, plane);
                 }
@@ -179,7 +208,7 @@ impl<S: Simd> PacketRays<S> {
             #[inline(always)]
             |axis| {
                 let back = backward[axis].select(splat(1.0), splat(0.0));
-                (plane[axis] - back - brick.corner[axis]).to_int::<u32x16<S>>()
+                (plane[axis] - back - within.corner[axis]).to_int::<u32x16<S>>()
             },
         );
         Entered { voxel, plane, backward, step }
@@ -187,12 +216,7 @@ impl<S: Simd> PacketRays<S> {
 
     /// Walks voxel by voxel to the first existing one, or out of the brick.
     #[inline(always)]
-    fn walk(
-        &self,
-        brick: &PacketBrick,
-        entered: Entered<S>,
-        mut active: mask32x16<S>,
-    ) -> PacketHit<S> {
+    fn walk(&self, rows: &[u8; 64], entered: Entered<S>, mut active: mask32x16<S>) -> PacketHit<S> {
         let (simd, eye, inverse) = (self.simd, self.eye, &self.inverse);
         let Entered { voxel, plane, backward, step } = entered;
         let mut voxel = voxel[0] | voxel[1] << FIELD | voxel[2] << (2 * FIELD);
@@ -216,7 +240,7 @@ impl<S: Simd> PacketRays<S> {
                 |axis| (plane[axis] - eye[axis]) * inverse[axis],
             );
             let row = (voxel >> FIELD & 7) | (voxel >> (2 * FIELD - 3) & 0x38);
-            let bits = look_up(simd, &brick.rows, row) >> (voxel & 7);
+            let bits = look_up(simd, rows, row) >> (voxel & 7);
             let exists = active & (bits & 1).simd_ne(0);
             found = exists.select(voxel, found);
             hit |= exists;

@@ -37,7 +37,7 @@ impl BoundaryCrossing {
 /// A ray in grid coordinates (voxels).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ray {
-    origin: Vec3,
+    pub origin: Vec3,
     direction: Vec3,
     inverse: Vec3,
     /// 1 or -1 on each axis.

@@ -7,37 +7,37 @@
 use fearless_simd::{Level, Simd, dispatch, mask32x16, prelude::*, u32x16};
 use glam::{IVec3, UVec3};
 
-use super::packet::{LANES, PacketBrick, cast_packet};
+use super::packet::{LANES, Packet, PacketBox, PacketHit, cast_packet, enter_packet};
 use super::projection::{MAX_LEVEL, Projection, TileFrame, TileRect};
+use crate::sculpture::brick::BRICK_EDGE_VX;
+use crate::sculpture::grid::{BRICK_LEVEL, OctreeBrick, OctreeCube};
 use crate::sculpture::{Brick, Grid, NO_VOXEL};
 use crate::surface::index_map::PixelRect;
-use crate::surface::numbering::{BrickNumbers, VoxelNumbering};
+use crate::surface::numbering::{BrickNumbers, VoxelNamer, VoxelNumbering};
+use crate::surface::small_bricks::{SmallBricks, full_stand_in, stand_in};
 use crate::surface::tiles::{TILE_EDGE_PX, Tile};
 use crate::view::PixelRays;
 
 const TILE_PIXELS: usize = (TILE_EDGE_PX * TILE_EDGE_PX) as usize;
 
-/// Logarithms of the edges of a brick and of a block of 4^3 bricks.
-const BRICK: usize = 3;
-const BLOCK: usize = 5;
-
 /// Size of the stack: up to seven siblings per level, and the eight of the last.
-const STACK: usize = 8 * (MAX_LEVEL - BRICK);
+const STACK: usize = 8 * (MAX_LEVEL - BRICK_LEVEL as usize);
 
 /// The data that all tiles of a picture share.
 pub(super) struct Sweep<'a> {
     pub grid: &'a Grid,
     pub rays: PixelRays,
     pub projection: Projection,
+    /// The bricks that are hit as a whole.
+    pub small: SmallBricks,
     /// The vector instructions to use.
     pub level: Level,
 }
 
 /// A cube on the stack, with the pixels in which it may be visible.
-#[derive(Clone, Copy, Default)]
-struct Cube {
-    low: [i32; 3],
-    level: u8,
+#[derive(Clone, Copy)]
+struct Cube<'a> {
+    of: OctreeCube<'a>,
     rect: TileRect,
 }
 
@@ -99,49 +99,17 @@ impl Sweep<'_> {
         }
     }
 
-    /// Returns the non-empty children of a cube; if they are larger than an occupancy word, all children inside the
-    /// grid.
     #[inline(always)]
-    fn occupied_children(&self, cube: &Cube) -> u32 {
-        let grid = self.grid;
-        let level = cube.level as usize;
-        let low = cube.low;
-        if level > BLOCK {
-            let dims = grid.dims().as_ivec3();
-            let half = 1 << (level - 1);
-            return (0..8).fold(0, |mask, child| {
-                let at: [i32; 3] =
-                    std::array::from_fn(|axis| low[axis] + (child >> axis & 1) * half);
-                let inside = at[0] < dims.x && at[1] < dims.y && at[2] < dims.z;
-                let occupied = inside
-                    && (level - 1 > BLOCK || {
-                        let brick = IVec3::from(at).as_uvec3() / 8;
-                        grid.occupancy_around(brick).0 != 0
-                    });
-                mask | u32::from(occupied) << child
-            });
-        }
-        let (bricks, bit) = grid.occupancy_around(IVec3::from(low).as_uvec3() / 8);
-        if level == BLOCK {
-            // Eighths of 2^3 bricks.
-            const EIGHTH: u64 = 0x0033_0033;
-            (0..8).fold(0, |mask, child| {
-                let shift = (child & 1) * 2 + (child >> 1 & 1) * 8 + (child >> 2) * 32;
-                mask | u32::from(bricks >> shift & EIGHTH != 0) << child
-            })
-        } else {
-            let eight = (bricks >> bit) as u32;
-            eight & 3 | (eight >> 4 & 3) << 2 | (eight >> 16 & 3) << 4 | (eight >> 20 & 3) << 6
-        }
+    fn packet_box(&self, low: IVec3, level: u32) -> PacketBox {
+        PacketBox::new(low, level, self.grid.dims().as_ivec3(), self.rays.origin)
     }
 
     /// Returns the child of a cube on the side of the eye of all three middle planes.
     #[inline(always)]
-    fn nearest_child(&self, cube: &Cube) -> usize {
-        let half = 1 << (cube.level - 1);
+    fn nearest_child(&self, cube: &OctreeCube) -> usize {
+        let middle = cube.low + (1 << (cube.level - 1));
         (0..3).fold(0, |child, axis| {
-            let beyond = self.rays.origin[axis] >= (cube.low[axis] + half) as f32;
-            child | usize::from(beyond) << axis
+            child | usize::from(self.rays.origin[axis] >= middle[axis] as f32) << axis
         })
     }
 }
@@ -151,31 +119,31 @@ impl<S: Simd> TileSweep<'_, S> {
     #[inline(always)]
     fn visit_cubes(&mut self, whole: TileRect) {
         let (simd, sweep) = (self.simd, self.sweep);
-        let longest = sweep.grid.dims().max_element();
-        let root_level = (longest.next_power_of_two().ilog2() as u8).max(BLOCK as u8);
-        let mut stack = [Cube::default(); STACK];
-        stack[0] = Cube { low: [0; 3], level: root_level, rect: whole };
+        let root = Cube { of: OctreeCube::around(sweep.grid), rect: whole };
+        let mut stack = [root; STACK];
         let mut waiting = 1;
         while waiting > 0 {
             waiting -= 1;
-            let cube = stack[waiting];
-            if !self.canvas.any_open(cube.rect) {
+            let Cube { of: cube, rect } = stack[waiting];
+            if !self.canvas.any_open(rect) {
+                continue;
+            }
+            if cube.is_full() {
+                self.cast_full(cube.low, cube.level, rect);
                 continue;
             }
             let level = cube.level as usize - 1;
-            let (visible, rects) = sweep.projection.children(simd, cube.low, level, &self.frame);
-            let occupied = visible & sweep.occupied_children(&cube);
+            let low = cube.low.to_array();
+            let (visible, rects) = sweep.projection.children(simd, low, level, &self.frame);
+            let occupied = visible & cube.occupied_children();
             let children = Children { occupied, nearest: sweep.nearest_child(&cube), rects };
-            let child_low = |child: usize| -> [i32; 3] {
-                std::array::from_fn(|axis| cube.low[axis] + ((child as i32 >> axis & 1) << level))
-            };
-            if level > BRICK {
+            if level > BRICK_LEVEL as usize {
                 // The nearest is pushed last and so comes first.
                 for turn in (0..8).rev() {
                     let child = turn ^ children.nearest;
                     if children.occupied >> child & 1 != 0 {
                         let rect = children.rects[child];
-                        stack[waiting] = Cube { low: child_low(child), level: level as u8, rect };
+                        stack[waiting] = Cube { of: cube.child(child), rect };
                         waiting += 1;
                     }
                 }
@@ -187,64 +155,141 @@ impl<S: Simd> TileSweep<'_, S> {
 
     /// Casts the occupied bricks of a cube of 2^3.
     #[inline(always)]
-    fn cast_bricks(&mut self, cube: &Cube, children: &Children) {
-        let grid = self.sweep.grid;
-        let corners: [UVec3; 8] = std::array::from_fn(|child| {
-            let child = child as i32;
-            let at = IVec3::new(child & 1, child >> 1 & 1, child >> 2) * 8;
-            (IVec3::from(cube.low) + at).as_uvec3()
-        });
+    fn cast_bricks(&mut self, cube: &OctreeCube, children: &Children) {
         // Fetched before the first is used, so that their cache misses overlap.
         let mut bricks = [Brick::EMPTY; 8];
-        let mut wanted = 0;
-        for child in 0..8 {
+        let (mut wanted, mut full) = (0, 0);
+        for (child, brick) in bricks.iter_mut().enumerate() {
             let occupied = children.occupied >> child & 1 != 0;
             if occupied && self.canvas.any_open(children.rects[child]) {
-                bricks[child] = *grid.brick(corners[child] / 8);
                 wanted |= 1 << child;
+                match cube.brick(child) {
+                    OctreeBrick::Full => full |= 1 << child,
+                    OctreeBrick::Mixed(mixed) => *brick = *mixed,
+                }
             }
         }
         for turn in 0..8 {
             let child = turn ^ children.nearest;
-            if wanted >> child & 1 != 0 {
-                self.cast_brick(&bricks[child], corners[child], children.rects[child]);
+            let (low, rect) = (cube.child_low(child), children.rects[child]);
+            if wanted >> child & 1 == 0 {
+                continue;
+            } else if full >> child & 1 != 0 {
+                self.cast_full(low, BRICK_LEVEL, rect);
+            } else if self.sweep.small.contains(low >> BRICK_LEVEL) {
+                self.cast_small(&bricks[child], low, rect);
+            } else {
+                self.cast_brick(&bricks[child], low, rect);
             }
         }
     }
 
+    /// Casts a cube without a gap for the open pixels of a rectangle.
+    #[inline(always)]
+    fn cast_full(&mut self, low: IVec3, level: u32, rect: TileRect) {
+        let (dims, eye) = (self.sweep.grid.dims().as_ivec3(), self.sweep.rays.origin);
+        let small = self.sweep.small;
+        let mut namer = VoxelNamer::new(self.numbering);
+        self.enter(low, level, rect, |entered| {
+            let voxel = low.as_uvec3() + entered;
+            let brick = voxel.as_ivec3() >> BRICK_LEVEL;
+            if !small.contains(brick) {
+                return namer.number(voxel);
+            }
+            let low = brick << BRICK_LEVEL;
+            namer.number(low.as_uvec3() + full_stand_in(low, dims, eye))
+        });
+    }
+
+    /// Casts a brick smaller than a pixel for the open pixels of a rectangle.
+    #[inline(always)]
+    fn cast_small(&mut self, brick: &Brick, low: IVec3, rect: TileRect) {
+        let voxel = low.as_uvec3() + stand_in(brick, low, self.sweep.rays.origin);
+        let mut namer = VoxelNamer::new(self.numbering);
+        self.enter(low, BRICK_LEVEL, rect, |_| namer.number(voxel));
+    }
+
+    /// Gives the open pixels of a rectangle that see a cube the numbers of the voxels by which their rays enter it,
+    /// relative to its lowest.
+    #[inline(always)]
+    fn enter(
+        &mut self,
+        low: IVec3,
+        level: u32,
+        rect: TileRect,
+        mut number: impl FnMut(UVec3) -> u32,
+    ) {
+        let within = self.sweep.packet_box(low, level);
+        let simd = self.simd;
+        self.for_packets(
+            rect,
+            #[inline(always)]
+            |packet| {
+                let hit = enter_packet(simd, packet, within);
+                let [x, y, z] = hit.voxels.map(|axis| axis.to_array());
+                let mut numbers = [NO_VOXEL; LANES];
+                for_bits(hit.lanes, |lane| {
+                    numbers[lane] = number(UVec3::new(x[lane], y[lane], z[lane]));
+                });
+                (hit.lanes, numbers)
+            },
+        );
+    }
+
     /// Casts a brick for the open pixels of a rectangle.
     #[inline(always)]
-    fn cast_brick(&mut self, brick: &Brick, corner: UVec3, rect: TileRect) {
-        let (rays, numbering) = (&self.sweep.rays, self.numbering);
+    fn cast_brick(&mut self, brick: &Brick, low: IVec3, rect: TileRect) {
+        let within = self.sweep.packet_box(low, BRICK_LEVEL);
+        let rows = bytemuck::cast(brick.to_rows());
+        let (simd, numbering) = (self.simd, self.numbering);
+        let mut numbers = None;
+        self.for_packets(
+            rect,
+            #[inline(always)]
+            |packet| {
+                let PacketHit { lanes, voxels } = cast_packet(simd, packet, within, &rows);
+                if lanes == 0 {
+                    return (0, [NO_VOXEL; LANES]);
+                }
+                // A brick that no pixel shows takes no slot.
+                let numbers = numbers
+                    .get_or_insert_with(|| numbering.of_brick(low.as_uvec3() / BRICK_EDGE_VX));
+                let [x, y, z] = voxels;
+                let indices = match *numbers {
+                    Some(BrickNumbers { first, row, slice }) => x + y * row + z * slice + first,
+                    None => u32x16::splat(simd, NO_VOXEL),
+                };
+                (lanes, indices.to_array())
+            },
+        );
+    }
+
+    /// Calls `cast` with the open pixels of a rectangle, in packets. It returns which of them are hit, and their numbers.
+    #[inline(always)]
+    fn for_packets(&mut self, rect: TileRect, mut cast: impl FnMut(Packet) -> (u32, [u32; LANES])) {
         let canvas = &mut *self.canvas;
         let count = canvas.queue_open(self.simd, rect);
-        let brick = PacketBrick::new(brick, corner.as_ivec3(), rays.origin);
-        let mut numbers = None;
         for first in (0..count).step_by(LANES) {
             let mut pixels = [0; LANES];
             pixels.copy_from_slice(&canvas.queue[first..first + LANES]);
-            let lanes = (count - first).min(LANES);
-            let hit = cast_packet(self.simd, rays, &self.frame, &brick, &pixels, lanes);
-            let mut rest = hit.lanes;
-            if rest == 0 {
-                continue;
-            }
-            // A brick that no pixel shows takes no slot.
-            let numbers = numbers.get_or_insert_with(|| numbering.of_brick(corner / 8));
-            let [x, y, z] = hit.voxels;
-            let indices = match *numbers {
-                Some(BrickNumbers { first, row, slice }) => x + y * row + z * slice + first,
-                None => u32x16::splat(self.simd, NO_VOXEL),
-            };
-            let indices = indices.to_array();
-            while rest != 0 {
-                let lane = rest.trailing_zeros() as usize & (LANES - 1);
-                rest &= rest - 1;
+            let (rays, frame) = (&self.sweep.rays, &self.frame);
+            let count = (count - first).min(LANES);
+            let (hit, numbers) = cast(Packet { rays, frame, pixels: &pixels, count });
+            for_bits(hit, |lane| {
                 let pixel = pixels[lane] as usize & (TILE_PIXELS - 1);
-                canvas.voxels[pixel] = indices[lane];
+                canvas.voxels[pixel] = numbers[lane];
                 canvas.open[pixel >> 6] &= !(1 << (pixel & 63));
-            }
+            });
         }
+    }
+}
+
+/// Calls `f` with the lanes of the set bits.
+#[inline(always)]
+fn for_bits(mut bits: u32, mut f: impl FnMut(usize)) {
+    while bits != 0 {
+        f(bits.trailing_zeros() as usize & (LANES - 1));
+        bits &= bits - 1;
     }
 }
 

@@ -7,6 +7,39 @@ use proptest::prelude::*;
 
 /// Traverses the grid by Amanatides and Woo from the eye, voxel by voxel, by the rules of [`ray`] but without its code.
 pub(crate) fn naive(grid: &Grid, origin: Vec3, direction: Vec3) -> Option<Hit> {
+    naive_walk(grid, origin, direction, |cell| grid.get(cell).then_some(cell))
+}
+
+/// Traverses the grid along a pixel. Among the bricks in `small`, the first one with a voxel is hit.
+pub(crate) fn naive_pixel(
+    grid: &Grid,
+    small: &SmallBricks,
+    rays: &PixelRays,
+    x: u32,
+    y: u32,
+) -> Option<Hit> {
+    naive_walk(grid, rays.origin, rays.direction(x, y), |cell| {
+        let b = cell.div_euclid(IVec3::splat(8));
+        if !small.contains(b) || !grid.contains(cell) {
+            return grid.get(cell).then_some(cell);
+        }
+        // The voxels of the brick in the order of their distances from the eye along z, then y, then x.
+        let from_eye = |v: IVec3| {
+            let far = rays.origin.cmpge((b * 8 + 4).as_vec3());
+            let along = |axis: usize| if far.test(axis) { -v[axis] } else { v[axis] };
+            (along(2), along(1), along(0))
+        };
+        let all = (0..512).map(|i| b * 8 + IVec3::new(i & 7, i >> 3 & 7, i >> 6));
+        all.filter(|v| grid.get(*v)).min_by_key(|v| from_eye(*v))
+    })
+}
+
+fn naive_walk(
+    grid: &Grid,
+    origin: Vec3,
+    direction: Vec3,
+    seen: impl Fn(IVec3) -> Option<IVec3>,
+) -> Option<Hit> {
     let dir = direction.to_array().map(|d| if d.abs() < 1e-20 { 1e-20 } else { d });
     let (o, inv) = (origin.to_array(), dir.map(|d| 1.0 / d));
     let dims = grid.dims().as_ivec3().to_array();
@@ -15,8 +48,8 @@ pub(crate) fn naive(grid: &Grid, origin: Vec3, direction: Vec3) -> Option<Hit> {
     });
     let (mut face, mut t) = (IVec3::ZERO, 0.0);
     loop {
-        if grid.get(IVec3::from(cell)) {
-            return Some(Hit { voxel: IVec3::from(cell).as_uvec3(), face, t });
+        if let Some(voxel) = seen(IVec3::from(cell)) {
+            return Some(Hit { voxel: voxel.as_uvec3(), face, t });
         }
         if (0..3).any(|a| if dir[a] > 0.0 { cell[a] >= dims[a] } else { cell[a] < 0 }) {
             return None;
@@ -52,20 +85,35 @@ pub(crate) fn levels() -> Vec<Level> {
     levels
 }
 
-/// Checks that every pixel of a picture has the voxel that the naive walk of its ray finds.
+/// Checks that every pixel of a picture has the voxel that the naive walk of its ray finds: with small bricks hit as a
+/// whole, and without.
 fn check_picture(grid: &Grid, rays: PixelRays) -> Result<(), TestCaseError> {
-    let PixelRays { origin, size, .. } = rays;
+    for small in [SmallBricks::new(&rays), SmallBricks::NONE] {
+        check_picture_with(grid, rays, small)?;
+    }
+    Ok(())
+}
+
+fn check_picture_with(
+    grid: &Grid,
+    rays: PixelRays,
+    small: SmallBricks,
+) -> Result<(), TestCaseError> {
+    let size = rays.size;
     let mut expected = IndexMap::new(rays);
     for y in 0..size.y {
         for x in 0..size.x {
-            let hit = naive(grid, origin, rays.direction(x, y));
+            let hit = naive_pixel(grid, &small, &rays, x, y);
+            if small == SmallBricks::new(&rays) {
+                prop_assert_eq!(cast_pixel(grid, &rays, x, y), hit, "pixel {}, {}", x, y);
+            }
             let voxel = hit.map_or(NO_VOXEL, |hit| grid.voxel_index(hit.voxel));
             expected.voxels[(x + y * size.x) as usize] = voxel;
         }
     }
     for level in levels() {
         let mut map = IndexMap::new(rays);
-        sample_rect_at(level, grid, &mut map, PixelRect::of_picture(size));
+        sample_rect_at(level, grid, small, &mut map, PixelRect::of_picture(size));
         for (i, (seen, expected)) in map.voxels.iter().zip(&expected.voxels).enumerate() {
             prop_assert_eq!(seen, expected, "pixel {} of {}, {:?}", i, size, level);
         }
@@ -193,6 +241,9 @@ fn scenes_are_seen_as_by_the_naive_walk() {
             (Vec3::new(-0.3, 0.9, 0.1), 0.7),
             (Vec3::new(0.1, -0.2, -0.3), 0.1),
             (Vec3::new(0.0, 0.0, -1.0), 1.5),
+            // Bricks are smaller than pixels in all of the picture, and in its upper part.
+            (Vec3::new(0.8, 0.6, 1.0), 25.0),
+            (Vec3::new(1.0, 0.1, 0.9), 12.0),
         ] {
             let eye = direction.normalize() * distance * edge;
             let up = if direction.x == 0.0 { Vec3::X } else { Vec3::Y };
@@ -238,4 +289,27 @@ fn a_rectangle_changes_only_its_pixels() {
         }
     }
     sample_rect(&grid, &mut map, PixelRect { min: UVec2::splat(30), max: UVec2::splat(40) });
+}
+
+#[test]
+fn what_stands_for_a_small_brick_is_on_the_surface() {
+    let scenes = [scenes::cheese(200, 120, 1), scenes::gyroid(150, 2), scenes::engine_like(128)];
+    let faces = [IVec3::X, IVec3::Y, IVec3::Z].map(|axis| [axis, -axis]);
+    for grid in scenes.map(Result::unwrap) {
+        let world_from_grid = Placement::default().world_from_grid(grid.dims(), Vec3::ONE);
+        for direction in [Vec3::new(0.8, 0.6, 1.0), Vec3::new(-0.3, -0.9, 0.2), Vec3::X] {
+            let eye = direction.normalize() * 40.0 * grid.dims().x as f32;
+            let camera = Camera { eye, fov_y_rad: 0.2, ..Camera::default() };
+            let rays = camera.eye(UVec2::new(140, 140)).pixel_rays(&world_from_grid);
+            let mut map = IndexMap::new(rays);
+            sample(&grid, &rays, &mut map);
+            assert!(map.covered() > 50, "{}", map.covered());
+            for number in map.voxels.iter().filter(|number| **number != NO_VOXEL) {
+                let voxel = map.numbering.coords(*number).as_ivec3();
+                assert!(grid.get(voxel), "{voxel}");
+                let is_bare = |face: &IVec3| !grid.get(voxel + *face);
+                assert!(faces.as_flattened().iter().any(is_bare), "{voxel} is buried");
+            }
+        }
+    }
 }

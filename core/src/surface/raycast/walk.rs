@@ -7,6 +7,7 @@
 use super::ray::{BoundaryCrossing, Ray};
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
 use crate::sculpture::{Brick, Grid};
+use crate::surface::small_bricks::{SmallBricks, stand_in};
 use glam::{IVec3, UVec3};
 
 /// The logarithms of the edges of blocks of 4^3 bricks, bricks, words of 4^3 voxels, and voxels.
@@ -51,22 +52,26 @@ impl<'a> Walk<'a> {
         Some(Walk { grid, ray, dims, cell, event })
     }
 
-    /// Continues to the first existing voxel, if there is one.
-    pub(crate) fn first_voxel(mut self) -> Option<(UVec3, BoundaryCrossing)> {
+    /// Continues to the first existing voxel, if there is one. Bricks among the small ones are hit as a whole.
+    #[inline(always)]
+    pub(crate) fn first_voxel(mut self, small: &SmallBricks) -> Option<(UVec3, BoundaryCrossing)> {
         loop {
             let level = match self.empty_level() {
                 Some(level) => level,
                 None => {
                     let cell = self.cell.as_uvec3();
+                    let brick = self.brick();
+                    if small.contains(self.cell >> BRICK) {
+                        let low = self.cell & -(BRICK_EDGE_VX as i32);
+                        let voxel = low.as_uvec3() + stand_in(brick, low, self.ray.origin);
+                        return Some((voxel, self.event));
+                    }
                     let local = local_index(cell.x & 7, cell.y & 7, cell.z & 7);
-                    let word = self.brick().words[(local >> 6) as usize];
-                    if word == 0 {
-                        WORD
-                    } else if word >> (local & 63) & 1 == 0 {
-                        VOXEL
-                    } else {
+                    let word = brick.words[(local >> 6) as usize];
+                    if word >> (local & 63) & 1 != 0 {
                         return Some((cell, self.event));
                     }
+                    if word == 0 { WORD } else { VOXEL }
                 }
             };
             if !self.leave(level) {

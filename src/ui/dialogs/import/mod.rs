@@ -185,7 +185,7 @@ impl ImportDialog {
             ImportStage::Volume(study) => {
                 Some(study.outlook(&study.settled(&self.options), limits))
             }
-            ImportStage::Mesh(study) => Some(study.outlook(&self.options, limits)),
+            ImportStage::Mesh(study) => Some(study.outlook(&self.options)),
             ImportStage::Model(study) => Some(study.outlook(&self.options, limits)),
             _ => None,
         }
@@ -367,7 +367,7 @@ fn become_of(ui: &mut Ui, outlook: &Outlook, limits: &Limits) {
     };
     let budget = limits.grid_bytes.saturating_add(limits.colour_bytes);
     ui.label(format!(
-        "Memory: shape {:.0} MiB{colours}; {:.0} MiB while it is read, of {:.0} MiB allowed",
+        "Memory: shape about {:.0} MiB{colours}; {:.0} MiB while it is read, of {:.0} MiB allowed",
         mib(outlook.grid_bytes),
         mib(outlook.read_bytes),
         mib(budget)

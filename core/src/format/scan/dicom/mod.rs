@@ -117,7 +117,7 @@ fn read(path: &Path, reading: &Reading) -> Result<(Scan, u64), FormatError> {
     let samples = stack.layers.into_samples(layout.number);
     let volume = volume(dims, voxel_size, samples, description);
     let volumes = layers.volumes;
-    Ok((Scan { volume, frame, kind, is_label: false, volumes, notes }, file_bytes))
+    Ok((Scan { volume: volume.into(), frame, kind, is_label: false, volumes, notes }, file_bytes))
 }
 
 /// Returns the planes of the frames of a file that are parallel to the first.

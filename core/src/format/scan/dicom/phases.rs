@@ -131,7 +131,7 @@ mod tests {
         let options = ImportOptions { time, ..ImportOptions::default() };
         let limits = Limits::default();
         let (path, options, limits, progress) = (Path::new(""), &options, &limits, &());
-        let reading = Reading { path, options, limits, progress };
+        let reading = Reading { path, options, limits, progress, in_layers: false };
         let all = all.iter().enumerate().map(|(file, (at, phase))| (*at, plane(file, phase)));
         let mut all: Vec<PlacedPlane> = all.collect();
         all.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -1,34 +1,28 @@
 //! Converts a volume to a sculpture: determines which voxels exist, and their colours.
 //!
-//! Works by bricks, in parallel. Memory for colours is checked before it is allocated, and allocated only for bricks in
-//! which an existing voxel differs from the base colour. Knows no files.
+//! Works by bricks, in parallel. A volume that stays in its files is read once for each of the questions that it answers:
+//! the histogram, the bits, the colours (`build`). Knows no files.
 
-use std::sync::atomic::{AtomicU32, Ordering};
+mod build;
+mod view;
 
-use fearless_simd::{Level, dispatch};
-use glam::UVec3;
-use rayon::prelude::*;
 use tracing::warn;
 
-use super::budget::check_colour_budget;
+pub use self::view::VolumeView;
+use self::view::Voxels;
+use super::FormatError;
 use super::histogram::{Histogram, SampleRange};
 use super::labels;
 use super::options::{Colouring, Existence, ExportForm, ImportOptions};
 use super::ramp::Ramp;
 use super::signature::Signature;
 use super::threshold;
-use super::volume::{Samples, Volume};
-use super::{FormatError, go_on};
+use super::volume::{Samples, Texts};
 use crate::progress::Progress;
-use crate::sculpture::brick::{BRICK_EDGE_VX, local_coords};
 use crate::sculpture::colour::{unpack8, unpack16};
 use crate::sculpture::history::Contents;
-use crate::sculpture::material::{MAX_PAGE_BYTES, Page, PageView};
-use crate::sculpture::{Brick, ColourDepth, Grid, Limits, Material, Rgb};
-use crate::tools::pieces;
+use crate::sculpture::{ColourDepth, Grid, Limits, Rgb};
 
-/// Number of bricks painted between two reports of progress.
-const PAINT_BATCH: usize = 1 << 13;
 /// RGBA voxels of this opacity or more exist.
 pub(super) const OPAQUE: f64 = 128.0;
 /// Fraction of the voxels below the upper end of a ramp; the rest are outliers such as metal.
@@ -65,7 +59,7 @@ macro_rules! with_density {
 
 /// Converts a volume to a sculpture, with the axes of the file. `signature` is that of [`trusted_signature`].
 pub fn to_contents(
-    volume: &Volume,
+    volume: VolumeView,
     signature: Option<Signature>,
     options: &ImportOptions,
     limits: &Limits,
@@ -90,16 +84,20 @@ pub fn to_contents(
     }
 }
 
-/// Returns the histogram of a volume of densities.
-pub fn histogram(volume: &Volume) -> Option<Histogram> {
+/// Returns the histogram of a volume of densities; `None` for one of colours.
+pub fn histogram(
+    volume: &VolumeView,
+    progress: &dyn Progress,
+) -> Result<Option<Histogram>, FormatError> {
     with_density!(volume.samples, |value, values| {
-        Histogram::of(volume.data.as_chunks().0, value, values)
+        Histogram::of_portions(|f| volume.for_each(progress, f), value, values)
     })
+    .transpose()
 }
 
-/// Returns the signature stored with the volume, if this program wrote it.
-pub fn trusted_signature(volume: &Volume) -> Option<Signature> {
-    match Signature::find(&volume.texts, volume.samples)? {
+/// Returns the signature stored with a volume of `samples`, if this program wrote it.
+pub fn trusted_signature(texts: &Texts, samples: Samples) -> Option<Signature> {
+    match Signature::find(texts, samples)? {
         Ok(signature) => Some(signature),
         Err(reason) => {
             warn!("the file's virtual-sculpture line is ignored: {reason}");
@@ -109,7 +107,7 @@ pub fn trusted_signature(volume: &Volume) -> Option<Signature> {
 }
 
 struct VolumeImport<'a> {
-    volume: &'a Volume,
+    volume: VolumeView<'a>,
     options: &'a ImportOptions,
     limits: &'a Limits,
     signature: Option<Signature>,
@@ -133,7 +131,10 @@ impl VolumeImport<'_> {
             chosen => chosen.bounds(),
         };
         let depth = if colouring == Colouring::None { ColourDepth::None } else { self.depth() };
-        self.check_grid()?;
+        if let Voxels::Held(_) = self.volume.voxels {
+            let VolumeView { dims, voxel_size, .. } = self.volume;
+            Grid::check(dims, voxel_size, self.limits.grid_bytes)?;
+        }
         if colouring == Colouring::Labels {
             let colours = labels::colours();
             let exists = within(bounds.unwrap_or((f64::NEG_INFINITY, f64::INFINITY)), value);
@@ -143,7 +144,8 @@ impl VolumeImport<'_> {
         if let (Some(bounds), true) = (bounds, is_plain) {
             return self.build(depth, within(bounds, value), |_| Rgb::STONE);
         }
-        let histogram = Histogram::of(self.voxels(), value, values);
+        let each = |f: &mut dyn FnMut(&[[u8; B]])| self.volume.for_each(self.progress, f);
+        let histogram = Histogram::of_portions(each, value, values)?;
         let bounds = bounds.unwrap_or_else(|| (threshold::automatic(&histogram), f64::INFINITY));
         if is_plain {
             return self.build(depth, within(bounds, value), |_| Rgb::STONE);
@@ -206,118 +208,6 @@ impl VolumeImport<'_> {
         let own = self.signature.filter(|s| s.form != ExportForm::Densities);
         self.options.colour_depth.or(own.map(|s| s.colour_depth)).unwrap_or(ColourDepth::Bits24)
     }
-
-    fn voxels<const B: usize>(&self) -> &[[u8; B]] {
-        self.volume.data.as_chunks().0
-    }
-
-    fn check_grid(&self) -> Result<(), FormatError> {
-        let Volume { dims, voxel_size, .. } = *self.volume;
-        Ok(Grid::check(dims, voxel_size, self.limits.grid_bytes)?)
-    }
-
-    fn build<const B: usize>(
-        &self,
-        depth: ColourDepth,
-        exists: impl Fn(&[u8; B]) -> bool + Sync,
-        colour: impl Fn(&[u8; B]) -> Rgb + Sync,
-    ) -> Result<Contents, FormatError> {
-        let Volume { dims, voxel_size, .. } = *self.volume;
-        let mut grid = Grid::new(dims, voxel_size, self.limits.grid_bytes)?;
-        let base = self.signature.map_or(Rgb::STONE, |s| s.base);
-        let voxels = self.voxels();
-        let index = |v: UVec3| {
-            v.x as usize + dims.x as usize * (v.y as usize + dims.y as usize * v.z as usize)
-        };
-        self.progress.begin("filling the grid");
-        let layers = dims.z.div_ceil(BRICK_EDGE_VX);
-        let begun = AtomicU32::new(0);
-        grid.fill_bricks(|brick| {
-            if self.progress.is_cancelled() {
-                return Brick::EMPTY;
-            }
-            // Reported once per layer of bricks; layers are filled in parallel.
-            if brick.x == 0 && brick.y == 0 {
-                let before = begun.fetch_add(1, Ordering::Relaxed);
-                self.progress.advance(before as f32 / layers as f32);
-            }
-            let corner = brick * BRICK_EDGE_VX;
-            let room = (dims - corner).min(UVec3::splat(BRICK_EDGE_VX));
-            let mut rows = [0u64; 8];
-            // Plain loops, compiled once for each generation of vector instructions.
-            dispatch!(Level::new(), _simd => for z in 0..room.z {
-                for y in 0..room.y {
-                    let start = index(corner + UVec3::new(0, y, z));
-                    let row = &voxels[start..start + room.x as usize];
-                    rows[z as usize] |= row_bits(row, &exists) << (8 * y);
-                }
-            });
-            Brick::from_rows(&rows)
-        });
-        self.progress.end();
-        go_on(self.progress)?;
-        if self.options.largest_piece {
-            pieces::keep_largest(&mut grid, self.limits.grid_bytes, self.progress)?;
-        }
-        if self.options.fill_holes {
-            pieces::fill_holes(&mut grid, self.limits.grid_bytes, self.progress)?;
-        }
-        let material = self.paint(&grid, depth, base, &|corner, brick, page| {
-            brick.for_each(|local| {
-                let voxel = &voxels[index(corner + UVec3::from(local_coords(local)))];
-                // A filled hole has the base colour.
-                if exists(voxel) {
-                    depth.write(colour(voxel), &mut page[local as usize * depth.bytes()..]);
-                }
-            });
-        })?;
-        Ok(Contents::new(grid, material))
-    }
-
-    /// Colours all existing voxels. `fill` writes the colours of the voxels of a brick, given by its lowest corner, to
-    /// the packed ones of all its voxels. It is called through a pointer once per brick, so that the parallel loops are compiled once and not
-    /// per voxel type.
-    fn paint(
-        &self,
-        grid: &Grid,
-        depth: ColourDepth,
-        base: Rgb,
-        fill: &(dyn Fn(UVec3, &Brick, &mut [u8]) + Sync),
-    ) -> Result<Material, FormatError> {
-        let material = Material::for_grid(grid, depth, base);
-        if depth == ColourDepth::None {
-            return Ok(material);
-        }
-        let blank = material.base_page();
-        let page_of = |b: UVec3| -> Option<Page> {
-            let mut buffer = [0; MAX_PAGE_BYTES];
-            let colours = &mut buffer[..material.page_bytes()];
-            PageView::of(&blank, depth).write_to(colours);
-            fill(b * BRICK_EDGE_VX, grid.brick(b), colours);
-            let page = Page::of_bytes(colours, depth);
-            (page != blank).then_some(page)
-        };
-        let filled: Vec<UVec3> = grid.nonempty_bricks().map(|(b, _)| b).collect();
-        let budget = self.limits.colour_bytes;
-        if material.bytes_for_pages(filled.len() as u64, u64::MAX) > budget {
-            // It may still fit, since bricks may have few colours, or none but the base colour.
-            let bytes =
-                |b: &UVec3| page_of(*b).map_or((0, 0), |page| (1, page.heap_bytes() as u64));
-            let add = |(a, b): (u64, u64), (c, d): (u64, u64)| (a + c, b + d);
-            let (pages, bytes) = filled.par_iter().map(bytes).reduce(|| (0, 0), add);
-            check_colour_budget(material.bytes_for_pages(pages, bytes), budget)?;
-        }
-        self.progress.begin("colouring");
-        let mut painted = Material::for_grid(grid, depth, base);
-        for (i, batch) in filled.chunks(PAINT_BATCH).enumerate() {
-            go_on(self.progress)?;
-            let page = |b: &UVec3| page_of(*b).map(|page| (*b, page));
-            painted.set_pages(batch.par_iter().filter_map(page).collect());
-            self.progress.advance((i * PAINT_BATCH) as f32 / filled.len() as f32);
-        }
-        self.progress.end();
-        Ok(painted)
-    }
 }
 
 /// Returns whether a density lies within inclusive bounds; false for NaN.
@@ -333,16 +223,4 @@ fn within<const B: usize>(
         let value = value(v);
         (value >= low) & (value <= high)
     }
-}
-
-/// Returns one bit for each of up to eight voxels, the lowest for the first.
-#[inline(always)]
-fn row_bits<const B: usize>(row: &[[u8; B]], exists: &impl Fn(&[u8; B]) -> bool) -> u64 {
-    let mut bytes = [0u8; 8];
-    match row.first_chunk::<8>() {
-        Some(row) => bytes = row.each_ref().map(|v| u8::from(exists(v))),
-        None => row.iter().zip(&mut bytes).for_each(|(v, byte)| *byte = u8::from(exists(v))),
-    }
-    // The factor moves the lowest bit of byte i to bit 56 + i, and nothing else there.
-    u64::from_le_bytes(bytes).wrapping_mul(0x0102_0408_1020_4080) >> 56
 }
