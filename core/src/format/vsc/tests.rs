@@ -237,7 +237,7 @@ fn a_large_sculpture_is_written_by_nodes_and_read_back_to_the_byte() {
     assert_eq!(read_back.material.page_count(), contents.material.page_count());
     assert_eq!(read_back.material.heap_bytes(), contents.material.heap_bytes());
     assert_eq!(read_back.grid.opaque_count(), contents.grid.opaque_count());
-    // Whatever is cut off or changed is noticed.
+    // Any cut and any change is noticed.
     for at in (0..file.len()).step_by(file.len() / 60).chain(0..300) {
         assert!(read(&file[..at], &Limits::default(), &()).is_err(), "cut at {at}");
         let mut damaged = file.clone();
