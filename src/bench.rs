@@ -51,6 +51,8 @@ use subjects::{BenchSubject, eyes_of};
 /// The extent of the measurements.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, ValueEnum)]
 pub enum Suite {
+    /// As few runs as possible: shows that everything can be measured, and roughly how long it takes
+    Brief,
     /// A few seconds per scene
     #[default]
     Quick,
@@ -61,6 +63,7 @@ pub enum Suite {
 impl Suite {
     fn name(self) -> &'static str {
         match self {
+            Suite::Brief => "brief",
             Suite::Quick => "quick",
             Suite::Full => "full",
         }
@@ -69,6 +72,7 @@ impl Suite {
     /// Returns the number of pictures per mode and scene, and per feature.
     fn frames(self) -> usize {
         match self {
+            Suite::Brief => 5,
             Suite::Quick => 20,
             Suite::Full => 200,
         }
@@ -77,6 +81,7 @@ impl Suite {
     /// Returns the number of edits per scene and mode, of radius 32 and 64.
     fn strokes(self) -> [usize; 2] {
         match self {
+            Suite::Brief => [10, 5],
             Suite::Quick => [1000, 40],
             Suite::Full => [1000, 200],
         }
@@ -85,6 +90,7 @@ impl Suite {
     /// Returns the longest time per figure; slow modes then have fewer pictures.
     fn patience(self) -> Duration {
         match self {
+            Suite::Brief => Duration::from_millis(100),
             Suite::Quick => Duration::from_secs(2),
             Suite::Full => Duration::from_secs(12),
         }
@@ -92,6 +98,7 @@ impl Suite {
 
     fn edits(self) -> usize {
         match self {
+            Suite::Brief => 2,
             Suite::Quick => 40,
             Suite::Full => 200,
         }
@@ -100,6 +107,7 @@ impl Suite {
     /// Returns the samples of a final picture.
     fn final_samples(self) -> u32 {
         match self {
+            Suite::Brief => 2,
             Suite::Quick => 2,
             Suite::Full => 64,
         }
@@ -107,6 +115,7 @@ impl Suite {
 
     fn files(self) -> usize {
         match self {
+            Suite::Brief => 1,
             Suite::Quick => 3,
             Suite::Full => 10,
         }

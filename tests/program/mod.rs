@@ -361,7 +361,7 @@ fn the_benchmark_reports_as_table_json_and_plot() {
         path,
         &[
             "bench", "cube", "--mode", "ray", "--mode", "march", "--json", "b.json", "--plot",
-            "b.svg", "--size", "320x200", "--eyes", "2",
+            "b.svg", "--size", "320x200", "--eyes", "2", "--suite", "brief",
         ],
     );
     assert!(said.contains("cube 256") && said.contains("voxels/s"), "{said}");

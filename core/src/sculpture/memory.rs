@@ -4,6 +4,7 @@
 //! Knows no grid and no command.
 
 use std::collections::TryReserveError;
+use std::hint::black_box;
 
 /// The system does not provide the memory.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -25,4 +26,14 @@ pub fn copied<T: Clone>(values: &[T]) -> Result<Vec<T>, TryReserveError> {
     list.try_reserve_exact(values.len())?;
     list.extend_from_slice(values);
     Ok(list)
+}
+
+/// Fails if the system does not provide this many bytes at present. Takes none of them: for memory that is allocated in
+/// small pieces afterwards.
+pub fn probe(bytes: usize) -> Result<(), TryReserveError> {
+    let mut memory: Vec<u8> = Vec::new();
+    memory.try_reserve_exact(bytes)?;
+    // Without this, the compiler may leave out an allocation that nothing uses.
+    black_box(&memory);
+    Ok(())
 }

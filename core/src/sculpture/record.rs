@@ -13,7 +13,7 @@ use super::brick::{Brick, local_index};
 use super::brick_set::{BrickSet, LeafKey};
 use super::colour_record::ColourRecord;
 use super::contents::Contents;
-use super::grid::{Grid, OldLeaf};
+use super::grid::{Grid, LEAF_BYTES, OldLeaf};
 use super::memory;
 
 /// Earlier values of some bricks, each at most once.
@@ -297,11 +297,31 @@ impl BrickRecord {
 
     /// Returns the size of the bits of the reverse record, if those of a grid are exchanged; none: of an empty one.
     fn reverse_size(&self, grid: Option<&Grid>) -> RecordSize {
-        let now = |leaf: LeafKey| grid.map_or(OldLeaf::EMPTY, |grid| grid.leaf_bits(leaf));
         let uniform = self.uniform.iter().map(|leaf| (leaf.leaf, Brick::FULL));
-        let words = self.words.chunk_by(|a, b| a.leaf == b.leaf);
-        let leaves = uniform.chain(words.map(|words| (words[0].leaf, bricks_of(words))));
-        leaves.map(|(leaf, bricks)| RecordSize::of_leaf(&now(leaf), &bricks)).sum()
+        let words = self.word_leaves().map(|words| (words[0].leaf, bricks_of(words)));
+        let leaves = uniform.chain(words);
+        leaves.map(|(leaf, bricks)| RecordSize::of_leaf(&bits_now(grid, leaf), &bricks)).sum()
+    }
+
+    /// Returns an upper bound for the heap bytes of the leaves of grid and mask once the kept bits are written.
+    pub(crate) fn written_bytes(&self, contents: &Contents) -> usize {
+        let mask = self.mask.as_ref().map(|kept| kept.leaf_bytes(contents.mask.as_deref()));
+        self.leaf_bytes(Some(&contents.grid)) + mask.unwrap_or(0)
+    }
+
+    /// Returns an upper bound for the heap bytes of the leaves that the kept bits are written into: a leaf that is shared,
+    /// or has no room, is copied.
+    fn leaf_bytes(&self, grid: Option<&Grid>) -> usize {
+        let leaves = self.word_leaves().map(|words| {
+            let others = Brick::FULL.and_not(&bricks_of(words));
+            bits_now(grid, words[0].leaf).mixed(&others) * size_of::<Brick>() + LEAF_BYTES as usize
+        });
+        self.mixed_bits.len() * size_of::<Brick>() + leaves.sum::<usize>()
+    }
+
+    /// Returns the words by leaf.
+    fn word_leaves(&self) -> impl Iterator<Item = &[WordRecord]> {
+        self.words.chunk_by(|a, b| a.leaf == b.leaf)
     }
 
     /// Returns a copy, unless the system lacks the memory for it.
@@ -342,7 +362,8 @@ impl BrickRecord {
         }
     }
 
-    /// Returns an empty record with room for the reverse; `None` if the system lacks the memory for it.
+    /// Returns an empty record with room for the reverse; `None` if the system lacks the memory for it, or for the bits
+    /// that are written.
     fn room(&self, contents: &Contents) -> Option<BrickRecord> {
         let mut room = BrickRecord::default();
         room.reserve(self, Some(&contents.grid)).ok()?;
@@ -354,6 +375,7 @@ impl BrickRecord {
             of_mask.reserve(mask, contents.mask.as_deref()).ok()?;
             room.mask = Some(Box::new(of_mask));
         }
+        memory::probe(self.written_bytes(contents)).ok()?;
         Some(room)
     }
 
@@ -458,6 +480,11 @@ impl BrickRecord {
 /// Gets a leaf whose bricks have been replaced, these bricks, their kinds before (empty, full, mixed), and the bits of those
 /// that were mixed.
 type LeafReplaced<'a> = dyn FnMut(LeafKey, Brick, [Brick; 3], &[Brick]) + 'a;
+
+/// Returns a leaf of a grid; none: of an empty one.
+fn bits_now(grid: Option<&Grid>, leaf: LeafKey) -> OldLeaf {
+    grid.map_or(OldLeaf::EMPTY, |grid| grid.leaf_bits(leaf))
+}
 
 /// Returns the bricks that words of one leaf name.
 fn bricks_of(words: &[WordRecord]) -> Brick {

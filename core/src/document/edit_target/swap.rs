@@ -113,7 +113,7 @@ impl EditTarget {
         &mut self,
         record: BrickRecord,
     ) -> Result<BrickRecord, Box<(BrickRecord, CommandError)>> {
-        let bytes = record.reverse_bytes(&self.contents) as u64;
+        let bytes = record.reverse_bytes(&self.contents) + record.written_bytes(&self.contents);
         let changes = !record.is_empty();
         self.bits.forget();
         match record.try_swap(Arc::make_mut(&mut self.contents), &mut self.dirty) {
@@ -121,7 +121,9 @@ impl EditTarget {
                 self.revision += u64::from(changes);
                 Ok(reverse)
             }
-            Err(record) => Err(Box::new((*record, self.no_memory(NoMemory { bytes })))),
+            Err(record) => {
+                Err(Box::new((*record, self.no_memory(NoMemory { bytes: bytes as u64 }))))
+            }
         }
     }
 
