@@ -16,6 +16,8 @@ mod normals;
 mod pictures;
 mod plot;
 mod report;
+mod sizes;
+mod sizes_plot;
 mod statistics;
 mod subjects;
 mod uses;
@@ -131,6 +133,8 @@ pub enum Only {
     Kernel(Kernel),
     /// The accuracy of normals.
     Normals,
+    /// The growth of memory and times with the size of the grid.
+    Sizes,
 }
 
 /// The arguments of [`run`].
@@ -186,6 +190,7 @@ pub fn run(
 ) -> Result<(), BenchError> {
     match job.only {
         Some(Only::Kernel(kernel)) => return run_kernel(kernel, job, config, progress),
+        Some(Only::Sizes) => return sizes::run(job, config, progress),
         Some(Only::Normals) => return Ok(terminal::print_result(normals::report(progress)?)?),
         None => {}
     }
@@ -219,23 +224,33 @@ pub fn run(
         edits,
         peak_memory_bytes: machine::peak_memory_bytes(),
     };
+    publish(job, serde_json::to_string_pretty(&report), plot::svg(&report), report.to_string())
+}
+
+/// Writes the figures as JSON and the plot if requested, and prints the table. Failing to write one of these does not
+/// prevent the others.
+fn publish(
+    job: &BenchJob,
+    json: Result<String, serde_json::Error>,
+    plot: String,
+    mut table: String,
+) -> Result<(), BenchError> {
     let write = |path: &Option<PathBuf>, text: String| {
         let Some(path) = path else { return Ok(()) };
         store::write_atomically(path, text.as_bytes())
             .map_err(|error| BenchError::Write { path: path.clone(), error })
     };
-    let json = match serde_json::to_string_pretty(&report) {
+    let json = match json {
         Ok(text) => write(&job.json, text + "\n"),
         Err(error) => Err(error.into()),
     };
-    let plot = write(&job.plot, plot::svg(&report));
-    let mut text = report.to_string();
+    let plot = write(&job.plot, plot);
     for (path, written) in [(&job.json, &json), (&job.plot, &plot)] {
         if let (Some(path), Ok(())) = (path, written) {
-            text += &format!("\nwrote {}", path.display());
+            table += &format!("\nwrote {}", path.display());
         }
     }
-    let printed = terminal::print_result(text).map_err(BenchError::from);
+    let printed = terminal::print_result(table).map_err(BenchError::from);
     json.and(plot).and(printed)
 }
 

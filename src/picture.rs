@@ -278,7 +278,7 @@ fn render_by_casting(
     followed.follow(document);
     let (grid, material) = (document.grid(), document.material());
     if smooth {
-        followed.complete(grid);
+        followed.complete(grid, document.limits());
     }
     let lighting = view.lighting(options);
     let mut shader = SoftwareShader::default();

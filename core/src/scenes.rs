@@ -5,6 +5,7 @@
 use glam::{IVec3, UVec3, Vec3};
 
 use crate::sculpture::brick::BRICK_EDGE_VX;
+use crate::sculpture::region::{BrickBox, VoxelBox};
 use crate::sculpture::{Brick, Grid, GridError};
 
 /// Returns a full cube.
@@ -76,6 +77,42 @@ pub fn gyroid(edge_vx: u32, seed: u64) -> Result<Grid, GridError> {
             let value = (sx * cy + sy * cz + sz * cx).abs();
             let noise = hash(seed ^ voxel_key(v)) as f32 / u64::MAX as f32 - 0.5;
             value + noise * roughness < half_thickness
+                && from_centre.length_squared() < 0.25 * edge * edge
+        })
+    });
+    Ok(grid)
+}
+
+/// Returns a smooth gyroid shell of eight cells an edge, cut to a ball: the shape of [`gyroid`] without noise, made in time
+/// proportional to its surface.
+pub fn gyroid_shell(edge_vx: u32) -> Result<Grid, GridError> {
+    let mut grid = cube(edge_vx)?;
+    let (edge, per_voxel) = (edge_vx as f32, 8.0 * std::f32::consts::TAU / edge_vx as f32);
+    let waves: Vec<(f32, f32)> =
+        (0..edge_vx).map(|i| ((i as f32 + 0.5) * per_voxel).sin_cos()).collect();
+    // The value of `gyroid` at half of the thickness.
+    let most = 0.035 * 0.25 * 1.5 * 8.0 * std::f32::consts::TAU;
+    // Each of the three slopes is at most the root of two.
+    let steepest = 6f32.sqrt() * per_voxel;
+    let uniform = |cube: BrickBox| {
+        let VoxelBox { min, max } = cube.voxels();
+        let (centre, radius) = ((min + max).as_vec3() * 0.5, (max - min).as_vec3().length() * 0.5);
+        let [(sx, cx), (sy, cy), (sz, cz)] = (centre * per_voxel).to_array().map(f32::sin_cos);
+        let (value, margin) = ((sx * cy + sy * cz + sz * cx).abs(), steepest * radius + 1e-3);
+        let from_centre = (centre - 0.5 * edge).length();
+        if value - margin > most || from_centre - radius > 0.5 * edge + 1.0 {
+            return Some(false);
+        }
+        let is_inside = value + margin < most && from_centre + radius < 0.5 * edge - 1.0;
+        is_inside.then_some(true)
+    };
+    grid.fill_cubes(uniform, |b| {
+        let corner = b * BRICK_EDGE_VX;
+        brick_of(|p| {
+            let v = (corner + p.as_uvec3()).min(UVec3::splat(edge_vx - 1));
+            let from_centre = corner.as_vec3() + p - 0.5 * edge;
+            let [(sx, cx), (sy, cy), (sz, cz)] = v.to_array().map(|i| waves[i as usize]);
+            (sx * cy + sy * cz + sz * cx).abs() < most
                 && from_centre.length_squared() < 0.25 * edge * edge
         })
     });
@@ -232,6 +269,30 @@ mod tests {
         }
         assert!(grid == naive);
         assert!(grid.opaque_count() > 0 && grid.opaque_count() < 64 * 64 * 64);
+    }
+
+    /// Whole cubes of the tree are what their voxels are.
+    #[test]
+    fn a_shell_is_that_of_its_formula() {
+        for edge in [64u32, 250] {
+            let grid = gyroid_shell(edge).unwrap();
+            let wave = |i: u32| {
+                ((i as f64 + 0.5) * 8.0 * std::f64::consts::TAU / f64::from(edge)).sin_cos()
+            };
+            let mut close = 0;
+            for index in 0..edge * edge * edge {
+                let v = grid.voxel_coords(index);
+                let [(sx, cx), (sy, cy), (sz, cz)] = v.to_array().map(wave);
+                let value = (sx * cy + sy * cz + sz * cx).abs();
+                let from_centre = (v.as_dvec3() + 0.5 - 0.5 * f64::from(edge)).length();
+                let (most, radius) = (0.105 * std::f64::consts::TAU, 0.5 * f64::from(edge));
+                let is_inside = value < most && from_centre < radius;
+                let is_close = (value - most).abs() < 1e-4 || (from_centre - radius).abs() < 1e-3;
+                close += u32::from(is_close);
+                assert!(is_close || grid.get(v.as_ivec3()) == is_inside, "{edge}: {v}");
+            }
+            assert!(close < edge * edge, "{close} voxels too close to tell");
+        }
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! The description of the machine in a benchmark.
 
+use std::fmt;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -36,6 +37,18 @@ impl Machine {
             os: std::env::consts::OS,
             load: load(),
         }
+    }
+}
+
+impl fmt::Display for Machine {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Machine { processor, threads, vectors, copy_bytes_per_s, vulkan, os, load } = self;
+        writeln!(f, "processor: {processor}, {threads} threads, {vectors}, {os}")?;
+        if let Some(load) = load {
+            writeln!(f, "load before: {load:.2}")?;
+        }
+        writeln!(f, "memory: {:.1} GB/s copied", copy_bytes_per_s * 1e-9)?;
+        write!(f, "vulkan: {vulkan}")
     }
 }
 

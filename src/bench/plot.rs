@@ -11,7 +11,7 @@ const RIGHT: f64 = 90.0;
 const BAR: f64 = 20.0;
 const GAP: f64 = 26.0;
 const TOP: f64 = 64.0;
-const COLOURS: [&str; 8] =
+pub(super) const COLOURS: [&str; 8] =
     ["#3b6ea5", "#d08c3a", "#5a9a5f", "#b5534f", "#7a64a8", "#7d7d7d", "#3f9a98", "#b86aa0"];
 
 /// Returns a plot of the median frame of each mode in each scene.
@@ -90,6 +90,6 @@ pub fn svg(report: &BenchReport) -> String {
     out
 }
 
-fn escape(text: &str) -> String {
+pub(super) fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }

@@ -81,15 +81,8 @@ impl DeviceReport {
 
 impl fmt::Display for BenchReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Machine { processor, threads, vectors, copy_bytes_per_s, vulkan, os, load } =
-            &self.machine;
         writeln!(f, "{}, suite {}", self.program, self.suite)?;
-        writeln!(f, "processor: {processor}, {threads} threads, {vectors}, {os}")?;
-        if let Some(load) = load {
-            writeln!(f, "load before: {load:.2}")?;
-        }
-        writeln!(f, "memory: {:.1} GB/s copied", copy_bytes_per_s * 1e-9)?;
-        writeln!(f, "vulkan: {vulkan}")?;
+        writeln!(f, "{}", self.machine)?;
         let [width, height] = self.picture;
         let eyes = match self.eyes {
             1 => "one eye",

@@ -74,7 +74,7 @@ impl BenchSubject {
     }
 }
 
-fn without_colour(grid: Result<Grid, GridError>) -> Result<Contents, FormatError> {
+pub(super) fn without_colour(grid: Result<Grid, GridError>) -> Result<Contents, FormatError> {
     let grid = grid?;
     let base = Rgb::new(200, 190, 170);
     let material = Material::for_grid(&grid, ColourDepth::None, base);

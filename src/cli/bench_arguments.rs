@@ -28,6 +28,9 @@ pub struct BenchArgs {
     /// Only measure the accuracy of normals on analytic shapes
     #[arg(long, conflicts_with_all = ["kernel", "modes", "scenes", "json", "plot"])]
     pub normals: bool,
+    /// Only measure how memory and times grow with the size of the grid
+    #[arg(long, conflicts_with_all = ["kernel", "modes", "scenes", "normals", "eyes"])]
+    pub sizes: bool,
     /// Number of times to run the kernel
     #[arg(long, default_value_t = 1, value_name = "N", requires = "kernel")]
     pub repeat: usize,
@@ -47,9 +50,10 @@ pub struct BenchArgs {
 impl BenchArgs {
     pub fn job(self) -> BenchJob {
         let BenchArgs { json, plot, suite, modes, repeat, size, eyes, scenes, .. } = self;
-        let only = match (self.normals, self.kernel) {
-            (true, _) => Some(Only::Normals),
-            (false, kernel) => kernel.map(Only::Kernel),
+        let only = match () {
+            () if self.normals => Some(Only::Normals),
+            () if self.sizes => Some(Only::Sizes),
+            () => self.kernel.map(Only::Kernel),
         };
         let import = self.import.options();
         BenchJob { json, plot, suite, modes, only, repeat, size, eyes, scenes, import }

@@ -70,8 +70,9 @@ impl PictureMaker {
 #[derive(Default)]
 pub(super) struct FollowedNormals {
     field: NormalField,
-    /// `None` until it was needed.
+    /// `None` until it was needed, and where it is too large.
     levels: Option<LevelSet>,
+    is_too_large: bool,
     /// Bricks whose bits or normals have changed since the smooth surface was made.
     changed: Vec<u32>,
     subscriber: ChangeSubscriber,
@@ -80,9 +81,10 @@ pub(super) struct FollowedNormals {
 impl FollowedNormals {
     /// Notes what has changed in the document since the last call.
     pub fn follow(&mut self, document: &mut Document) {
-        let FollowedNormals { field, levels, changed, subscriber } = self;
+        let FollowedNormals { field, levels, is_too_large, changed, subscriber } = self;
         document.drain_changes_for(subscriber, |contents, bricks| {
             field.follow(&contents.grid, bricks);
+            *is_too_large &= bricks.is_some();
             changed.extend_from_slice(bricks.unwrap_or_default());
             levels.take_if(|levels| bricks.is_none() || !levels.fits(&contents.grid));
         });
@@ -91,18 +93,21 @@ impl FollowedNormals {
         }
     }
 
-    /// Completes the normals and the smooth surface. A grid that is too large for it has none.
-    pub fn complete(&mut self, grid: &Grid) {
-        let FollowedNormals { field, levels, changed, .. } = self;
+    /// Completes the smooth surface, and the normals that it is made of. A sculpture that is too large for it has none.
+    pub fn complete(&mut self, grid: &Grid, limits: &Limits) {
+        let FollowedNormals { field, levels, is_too_large, changed, .. } = self;
+        if levels.is_none() && !*is_too_large {
+            let made = LevelSet::new(grid, limits.grid_bytes);
+            *is_too_large = made.is_err();
+            *levels = made
+                .inspect_err(|reason| tracing::warn!("{reason}; pictures show voxels instead"))
+                .ok();
+        }
+        let Some(levels) = levels else { return };
         field.update(grid, changed, || true);
-        match levels {
-            Some(levels) => levels.follow(grid, changed),
-            None => *levels = LevelSet::new(grid, Limits::default().grid_bytes).ok(),
-        }
+        levels.follow(grid, changed);
         changed.clear();
-        if let Some(levels) = levels {
-            levels.update(grid, field, &mut Vec::new());
-        }
+        levels.update(grid, field, &mut Vec::new());
     }
 
     /// Completes the normals of the voxels in an index map.

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use super::{IndexTarget, LevelMarch, LevelTask, Levels, MAX_EYES, Normals};
 use crate::gpu::{Device, GpuError, Recorder, Result};
-use crate::sculpture::{Grid, Limits};
+use crate::sculpture::Grid;
 use crate::shade::{LevelSampler, LevelSet, NormalField};
 use crate::surface::{IndexMap, PixelRect, PixelRects, changed_pixels, pixels_of_grid};
 use crate::view::PixelRays;
@@ -25,6 +25,8 @@ pub(super) struct LevelWish {
     pub wanted: bool,
     /// The device that shades, if the mode shades on one.
     pub device: Option<Arc<Device>>,
+    /// The most memory of the surface.
+    pub budget_bytes: u64,
     /// Longest delay by a surface that has never been complete; `None`: until it is.
     pub patience: Option<Duration>,
 }
@@ -94,7 +96,7 @@ impl LevelStage {
             return Ok(());
         }
         if self.levels.is_none() {
-            match LevelSet::new(grid, Limits::default().grid_bytes) {
+            match LevelSet::new(grid, wish.budget_bytes) {
                 Ok(levels) => self.levels = Some(levels),
                 Err(reason) => {
                     self.give_up(&reason);
@@ -110,6 +112,13 @@ impl LevelStage {
             Err(error) => return Err(error),
         }
         Ok(())
+    }
+
+    /// Shows voxels instead of the surface until the whole sculpture changes.
+    pub fn refuse(&mut self, reason: &dyn Display) {
+        if !self.given_up {
+            self.give_up(reason);
+        }
     }
 
     fn give_up(&mut self, reason: &dyn Display) {

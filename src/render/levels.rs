@@ -104,8 +104,9 @@ impl Levels {
 
 /// Returns the entry of a brick in the table.
 fn entry(grid: &Grid, levels: &LevelSet, brick: u32) -> u32 {
-    match levels.table()[brick as usize] {
-        NO_PAGE if grid.brick_kind(brick as usize) == BrickKind::Full => FULL_BRICK,
+    let b = grid.brick_coords(brick as usize);
+    match levels.page(b) {
+        NO_PAGE if grid.kind(b) == BrickKind::Full => FULL_BRICK,
         page => page,
     }
 }

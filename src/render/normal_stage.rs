@@ -4,7 +4,8 @@
 //! Follows the grid of one document. Normals that edits change are computed before the next picture; those of an opened
 //! sculpture take as much of each picture's time as its caller allows, and estimates stand in for the rest. Where the
 //! CPU shades index maps, only those of visible bricks are computed before a picture, or estimated if it must not be
-//! delayed. The others follow while the view rests, or before anything else reads them.
+//! delayed. The others follow while the view rests, or before anything else reads them; of a sculpture whose normals take
+//! more memory than the bound, only those that pictures showed last are kept.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -32,6 +33,10 @@ pub(super) struct NormalStage {
     field: NormalField,
     /// Longest delay of a picture; `None`: until everything is computed.
     pub patience: Option<Duration>,
+    /// About the most memory of normals, if there is a longest delay. Only with pictures that have index maps.
+    pub limit_bytes: u64,
+    /// The last picture has all normals that it shows, and no others are to be computed.
+    is_settled: bool,
     /// Bricks that have changed, or have other normals, since the last picture, rising.
     reshaded: Vec<u32>,
     /// Exists only while a mode uses it.
@@ -60,18 +65,22 @@ impl NormalStage {
         let had_estimates = self.field.has_estimates();
         let (start, patience) = (Instant::now(), self.patience);
         let mut go_on = || patience.is_none_or(|patience| start.elapsed() < patience);
+        self.field.set_limit(if patience.is_some() { self.limit_bytes } else { u64::MAX });
         self.field.follow(grid, changed);
         self.reshaded.clear();
+        let stays = rests && self.is_settled && changed.is_some_and(<[u32]>::is_empty);
         if rests && self.field.deferred() > 0 {
             self.field.update_deferred(grid, &mut self.reshaded, go_on);
         } else {
             // Maps of another sculpture have other bricks.
-            if changed.is_some() && patience.is_some() && self.field.has_estimates() {
+            let has_maps = changed.is_some() && patience.is_some() && !stays;
+            if has_maps && self.field.follows_pictures() {
                 let maps = maps.iter().map(|map| &**map);
                 self.field.complete_seen(grid, maps, &mut self.reshaded, &mut go_on);
             }
             self.field.update(grid, &mut self.reshaded, &mut go_on);
         }
+        self.is_settled = rests && self.field.is_settled();
         self.took = start.elapsed();
         self.finish(changed, had_estimates)
     }
@@ -79,6 +88,11 @@ impl NormalStage {
     /// Returns whether [`NormalStage::update_seen`] will defer invisible bricks.
     pub fn can_defer(&self) -> bool {
         !self.field.has_backlog()
+    }
+
+    /// Returns whether the last picture has all normals, so that it will not become better.
+    pub fn is_settled(&self) -> bool {
+        self.is_settled || self.field.is_complete()
     }
 
     /// Returns whether bricks were deferred.
@@ -114,6 +128,7 @@ impl NormalStage {
                 patience.is_none_or(|patience| start.elapsed() < patience)
             });
         }
+        self.is_settled = false;
         self.took = start.elapsed();
         self.finish(Some(changed), had_estimates)
     }

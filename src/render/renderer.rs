@@ -77,6 +77,11 @@ impl Renderer {
         let known = before.as_ref().filter(|_| changes_known);
         let rests = known.is_some_and(|before| before.is_of(document, desc));
         let moved = !known.is_some_and(|before| before.is_edited_only(document, desc));
+        // Pictures of the device have no index maps that would tell which normals they show.
+        self.stages.normals.limit_bytes = match desc.mode.shades_on_device() {
+            true => u64::MAX,
+            false => document.limits().grid_bytes,
+        };
         let defers = changes_known && !rests && self.stages.defers_normals(document, desc);
         if defers {
             // The visible voxels must be known first.
@@ -188,7 +193,7 @@ impl Renderer {
         self.stages.normals.patience = patience;
     }
 
-    /// Returns whether the last pictures have all normals. If not, the next ones will have more.
+    /// Returns whether the last pictures have all normals that they show. If not, the next ones will have more.
     pub fn is_complete(&self) -> bool {
         self.stages.has_all_normals()
     }

@@ -95,9 +95,9 @@ impl Stages {
         self.timer.begin(recorder, slot, mode, &mut self.times.device)
     }
 
-    /// Returns whether the last pictures have all normals.
+    /// Returns whether the last pictures have all normals that they show.
     pub fn has_all_normals(&self) -> bool {
-        self.normals.field().is_complete()
+        self.normals.is_settled()
     }
 
     /// Returns whether the last pictures have all normals, and the smooth surface if they should show it.
@@ -112,12 +112,12 @@ impl Stages {
         desc: &FrameDesc,
         changes_known: bool,
     ) -> Result<Option<bool>> {
-        let known = changes_known.then_some(self.normals.reshaded());
         let software = self.device.is_software();
         // Estimates of normals give no surface.
         let wanted = self.has_all_normals()
             && desc.is_smooth(SmoothSurface::Always, document.contents(), software);
-        let wish = self.wish(desc, wanted);
+        let wish = self.wish(document, desc, wanted);
+        let known = changes_known.then_some(self.normals.reshaded());
         self.levels.update(document.grid(), self.normals.field(), known, &wish)?;
         self.normals.reshade(self.levels.changed());
         Ok(self.levels.state())
@@ -130,13 +130,19 @@ impl Stages {
         desc: &FrameDesc,
         wanted: bool,
     ) -> Result<()> {
-        let wish = self.wish(desc, wanted);
+        let wish = self.wish(document, desc, wanted);
         self.levels.show(document.grid(), self.normals.field(), &wish)
     }
 
-    fn wish(&self, desc: &FrameDesc, wanted: bool) -> LevelWish {
+    fn wish(&mut self, document: &Document, desc: &FrameDesc, wanted: bool) -> LevelWish {
+        let has_normals = self.normals.field().is_complete();
+        if wanted && !has_normals {
+            self.levels.refuse(&"its normals take more memory than grids may");
+        }
+        let wanted = wanted && has_normals;
+        let budget_bytes = document.limits().grid_bytes;
         let device = desc.mode.shades_on_device().then(|| self.device.clone());
-        LevelWish { wanted, device, patience: self.normals.patience }
+        LevelWish { wanted, device, budget_bytes, patience: self.normals.patience }
     }
 
     /// Returns the shading of pictures of `mode`: from an index map on the device if that finds the smooth surface.

@@ -2,6 +2,7 @@
 
 mod agreement;
 mod backdrop;
+mod bounded;
 mod colours;
 mod composite;
 mod coplanar;

@@ -410,4 +410,27 @@ fn the_benchmark_reports_as_table_json_and_plot() {
     }
     let said = fail(path, &["bench", "--kernel", "ray", "--eyes", "2"], 2);
     assert!(said.contains("--kernel"), "{said}");
+
+    let said = succeed(
+        path,
+        &[
+            "bench", "--sizes", "--suite", "brief", "--json", "s.json", "--plot", "s.svg",
+            "--size", "160x120",
+        ],
+    );
+    assert!(said.contains("block, 1000 balls") && said.contains("most memory"), "{said}");
+    let json = String::from_utf8(bytes(path.join("s.json"))).unwrap();
+    let report: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let sizes = report["sizes"].as_array().unwrap();
+    assert_eq!(sizes.len(), 4, "two sculptures of two sizes");
+    for size in sizes {
+        assert!(size["voxels"].as_u64() > Some(0) && size["file_bytes"].as_u64() > Some(0));
+        for times in ["edit", "undo", "sample", "first_picture", "save", "load"] {
+            assert!(size[times]["median_ms"].as_f64() > Some(0.0), "{times}");
+        }
+    }
+    let plot = String::from_utf8(bytes(path.join("s.svg"))).unwrap();
+    assert!(plot.ends_with("</svg>\n") && plot.matches("<polyline").count() == 10, "{plot}");
+    let said = fail(path, &["bench", "--sizes", "cheese"], 2);
+    assert!(said.contains("--sizes"), "{said}");
 }

@@ -1,17 +1,23 @@
 //! A clip: the voxels of a box with their colours, copied from a sculpture to be pasted elsewhere in
 //! any [`Orientation`].
 //!
-//! Reads [`Contents`] and changes nothing. Knows no document.
+//! Reads [`Contents`] and changes nothing; parts without voxels cost next to nothing, whatever their size. Knows no
+//! document.
 
 use glam::{IVec3, UVec3};
+use rayon::prelude::*;
 
 use super::brick::{BRICK_EDGE_VX, Brick, local_coords};
 use super::colour::Rgb;
 use super::contents::Contents;
-use super::grid::{Grid, GridError};
+use super::grid::{Grid, GridError, unflatten, uniform_in};
 use super::material::Material;
 use super::orientation::Orientation;
-use super::region::{ListedBricks, VoxelBox};
+use super::region::{BrickBox, ListedBricks, VoxelBox};
+use crate::refusal::{MemoryBudget, OverBudget};
+
+/// Edge of the cubes of bricks that are looked at as a whole.
+const CUBE_BRICKS: u32 = 8;
 
 /// The voxels of a box, as they were copied.
 #[derive(Clone, PartialEq, Debug)]
@@ -36,8 +42,19 @@ impl Clip {
             return Ok(None);
         }
         let size = bounds.size();
-        let mut grid = Grid::new(size, from.grid.voxel_size(), budget_bytes)?;
-        grid.fill_bricks(|b| {
+        // Each brick of the source has voxels in at most eight of the clip.
+        let mask_bytes = from.mask.as_ref().map_or(0, |mask| mask.heap_bytes());
+        let most = (from.grid.heap_bytes() + mask_bytes).saturating_mul(8);
+        let needed = Grid::bytes_for(size).min(most);
+        let what = format!("a copy of {size} voxels needs");
+        OverBudget::check(what, needed, MemoryBudget::Grids, budget_bytes)?;
+        let mut grid = Grid::of_size(size, from.grid.voxel_size())?;
+        let none = |cube: BrickBox| {
+            let VoxelBox { min, max } = cube.voxels();
+            let source = VoxelBox { min: min + bounds.min, max: max + bounds.min };
+            has_none(&from.grid, source.intersect(bounds)).then_some(false)
+        };
+        grid.fill_cubes(none, |b| {
             let origin = bounds.min + (b * BRICK_EDGE_VX).as_ivec3();
             gather(|local| {
                 let v = origin + local.as_ivec3();
@@ -45,11 +62,10 @@ impl Clip {
             })
         });
         let mut material = Material::for_grid(&grid, from.material.depth(), from.material.base());
-        for index in 0..grid.brick_count() {
-            let b = grid.brick_coords(index);
+        for (b, brick) in grid.nonempty_bricks() {
             let origin = bounds.min.as_uvec3() + b * BRICK_EDGE_VX;
             let colour = |local: u32| from.rgb(origin + UVec3::from(local_coords(local)));
-            let painted = painted(grid.brick(b), from.material.base(), colour);
+            let painted = painted(brick, from.material.base(), colour);
             material.paint_each(b, &painted, colour);
         }
         Ok(Some(Clip { contents: Contents::new(grid, material) }))
@@ -87,22 +103,42 @@ impl Clip {
         let end = bounds.max.max(IVec3::ZERO).as_uvec3().map(|v| v.div_ceil(BRICK_EDGE_VX));
         let end = end.min(brick_dims);
         let size = self.size();
-        let mut bricks = Vec::new();
-        for z in first.z..end.z {
-            for y in first.y..end.y {
-                for x in first.x..end.x {
-                    let b = UVec3::new(x, y, z);
-                    let origin = (b * BRICK_EDGE_VX).as_ivec3() - at;
-                    let brick = gather(|local| {
-                        let v = origin + local.as_ivec3();
-                        self.contents.grid.get(orientation.source(v, size))
-                    });
-                    if !brick.is_empty() {
-                        bricks.push((b, brick));
-                    }
-                }
+        let grid = &self.contents.grid;
+        let turned = VoxelBox { min: IVec3::ZERO, max: orientation.size(size).as_ivec3() };
+        let is_empty = |bricks: BrickBox| {
+            let VoxelBox { min, max } = bricks.voxels();
+            let own = VoxelBox { min: min - at, max: max - at }.intersect(turned);
+            let source = |v: IVec3| orientation.source(v, size);
+            own.is_empty() || {
+                let (a, b) = (source(own.min), source(own.max - 1));
+                has_none(grid, VoxelBox { min: a.min(b), max: a.max(b) + 1 })
             }
+        };
+        let in_cube = |low: UVec3| {
+            let cube = BrickBox { min: low.max(first), max: (low + CUBE_BRICKS).min(end) };
+            let count = if is_empty(cube) { 0 } else { cube.brick_count() as u32 };
+            let size = cube.max - cube.min;
+            (0..count).filter_map(move |index| {
+                let b = cube.min + unflatten(index, size);
+                if is_empty(BrickBox { min: b, max: b + 1 }) {
+                    return None;
+                }
+                let origin = (b * BRICK_EDGE_VX).as_ivec3() - at;
+                let voxel =
+                    |local: UVec3| orientation.source(origin + local.as_ivec3(), self.size());
+                let brick = gather(|local| grid.get(voxel(local)));
+                (!brick.is_empty()).then_some((b, brick))
+            })
+        };
+        if first.cmpge(end).any() {
+            return ListedBricks::default();
         }
+        let cubes = BrickBox { min: first / CUBE_BRICKS, max: (end - 1) / CUBE_BRICKS + 1 };
+        let count = cubes.brick_count() as u32;
+        let low = |index| (cubes.min + unflatten(index, cubes.max - cubes.min)) * CUBE_BRICKS;
+        let found = (0..count).into_par_iter().flat_map_iter(|index| in_cube(low(index)));
+        let mut bricks: Vec<(UVec3, Brick)> = found.collect();
+        bricks.par_sort_unstable_by_key(|(b, _)| (b.z, b.y, b.x));
         ListedBricks::new(bricks)
     }
 
@@ -111,6 +147,13 @@ impl Clip {
         let source = orientation.source(v.as_ivec3() - at, self.size());
         self.contents.rgb(source.max(IVec3::ZERO).as_uvec3().min(self.size() - 1))
     }
+}
+
+/// Returns whether no voxel of a box within a grid exists, as far as whole bricks show it.
+fn has_none(grid: &Grid, voxels: VoxelBox) -> bool {
+    let min = voxels.min.as_uvec3() / BRICK_EDGE_VX;
+    let max = voxels.max.as_uvec3().map(|v| v.div_ceil(BRICK_EDGE_VX));
+    uniform_in(grid, BrickBox { min, max }) == Some(false)
 }
 
 /// Returns a brick of the local coordinates for which `exists` is true.

@@ -178,12 +178,10 @@ impl Grid {
         Ok(Self::empty(dims, voxel_size))
     }
 
-    /// Returns an empty grid of the cells between the centres of this grid's voxels and beyond its border, within
-    /// `budget_bytes`: one longer on each axis, even where a sculpture may not be that long.
-    pub(crate) fn of_cells(&self, budget_bytes: u64) -> Result<Grid, GridError> {
-        let dims = self.extent.dims + 1;
-        Self::check_memory(dims, budget_bytes)?;
-        Ok(Self::empty(dims, self.voxel_size))
+    /// Returns an empty grid of the cells between the centres of this grid's voxels and beyond its border: one longer on
+    /// each axis, even where a sculpture may not be that long.
+    pub(crate) fn of_cells(&self) -> Grid {
+        Self::empty(self.extent.dims + 1, self.voxel_size)
     }
 
     /// Returns an empty grid of the same size.

@@ -21,6 +21,7 @@ pub mod normal_field;
 pub mod occlusion;
 #[cfg(test)]
 mod partial_tests;
+mod per_leaf;
 pub mod pixels;
 #[doc(hidden)]
 pub mod points;

@@ -15,6 +15,7 @@ pub mod masks;
 mod model;
 mod orient;
 mod orientations;
+mod places;
 mod refusals;
 mod script;
 pub mod strategies;

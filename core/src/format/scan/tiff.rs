@@ -1,19 +1,20 @@
 //! Reads TIFF stacks (TIFF 6.0, BigTIFF): the pages of one file, or the numbered files of a folder, one page each.
 //!
-//! Takes the bytes of a file; gives a volume whose first page is its lowest layer. Metadata of ImageJ or OME-TIFF
-//! (`tiff/told.rs`), where present, gives the voxel spacing, and the pages that are the layers of the channel and time
-//! to read. No TIFF file defines its up axis.
+//! Takes the bytes of a file; gives a volume whose first page is its lowest layer. Large stacks may stay in their files
+//! (`tiff/layered.rs`). Metadata of ImageJ or OME-TIFF (`tiff/told.rs`), where present, gives the voxel spacing, and the
+//! pages that are the layers of the channel and time to read. No TIFF file defines its up axis.
 
+mod layered;
 mod palette;
 #[cfg(test)]
 mod tests;
 mod told;
 mod zstd;
 
-use std::io::Cursor;
+use std::io::{Cursor, Read, Seek};
 use std::path::{Path, PathBuf};
 
-use glam::UVec3;
+use glam::{UVec3, Vec3};
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 use tiff::{ColorType, TiffError};
@@ -26,7 +27,7 @@ use super::unpack::{cut, malformed};
 use crate::format::error::printable;
 use crate::format::spec::{FormatSpec, Import, Sign};
 use crate::format::volume::Samples;
-use crate::format::{FormatError, go_on};
+use crate::format::{FormatError, Volumes, go_on};
 use crate::sculpture::grid::MAX_AXIS_VX;
 
 pub static SPEC: FormatSpec = FormatSpec {
@@ -44,6 +45,9 @@ pub static SPEC: FormatSpec = FormatSpec {
         Import::Scan(|reading| {
             let first = if reading.path.is_dir() { first_of(reading.path) } else { None };
             let path = first.as_deref().unwrap_or(reading.path);
+            if let Some(scan) = layered::scan(path, reading)? {
+                return Ok((scan, std::fs::metadata(path)?.len()));
+            }
             reading.read_whole(path, |file| read(path, file, reading))
         }),
     )
@@ -54,6 +58,7 @@ const MOST_DIGITS: usize = 15;
 /// Greatest number of files of a folder that are examined.
 const MOST_FILES: usize = 1 << 16;
 
+/// The pages of a file in memory.
 type Pages<'a> = Decoder<Cursor<&'a [u8]>>;
 
 /// The properties common to all pages of a stack.
@@ -64,81 +69,123 @@ struct Page {
     colours: ColorType,
 }
 
+/// A stack, described by its first file.
+struct TiffStack {
+    page: Page,
+    dims: UVec3,
+    voxel_size: Vec3,
+    /// The pages of the file that are its layers.
+    pages: Vec<usize>,
+    /// The files that are its layers instead, if there are several.
+    series: Vec<PathBuf>,
+    /// Where the first page begins, if the others follow it without directories of their own.
+    behind: Option<u64>,
+    is_of_imagej: bool,
+    volumes: Volumes,
+    notes: Vec<String>,
+}
+
+impl TiffStack {
+    /// Describes the stack to read from the file at `path`.
+    fn of<R: Read + Seek>(
+        decoder: &mut Decoder<R>,
+        path: &Path,
+        reading: &Reading,
+    ) -> Result<TiffStack, FormatError> {
+        let (page, own) = pages_alike(decoder)?;
+        decoder.seek_to_image(0).map_err(damaged)?;
+        let mut notes = Vec::new();
+        if own.others > 0 {
+            notes.push(format!(
+                "pages left out, of another size or type than the first: {}",
+                own.others
+            ));
+        }
+        let told = Told::of(decoder);
+        let behind = if own.alike.len() == 1 { behind_first(decoder, &told) } else { None };
+        let pages = if behind.is_some() { (0..told.images).collect() } else { own.alike };
+        let is_one = pages.len() == 1;
+        let (pages, volumes) = told.one_volume(pages, reading, &mut notes)?;
+        let series = if is_one { series(path, &mut notes) } else { Vec::new() };
+        let depth = pages.len().max(series.len());
+        let Some(depth) = u32::try_from(depth).ok().filter(|depth| *depth <= MAX_AXIS_VX) else {
+            return Err(FormatError::Scan(format!(
+                "{depth} pages; at most {MAX_AXIS_VX} are read; leave some out, or scale it down"
+            )));
+        };
+        let dims = UVec3::new(page.width, page.height, depth);
+        let Told { voxel_size, is_of_imagej, .. } = told;
+        reading.admit(dims, voxel_size)?;
+        Ok(TiffStack {
+            page,
+            dims,
+            voxel_size,
+            pages,
+            series,
+            behind,
+            is_of_imagej,
+            volumes,
+            notes,
+        })
+    }
+
+    /// Returns the display name.
+    fn kind(&self) -> String {
+        match self.series.len() {
+            0 => format!("TIFF, pages: {}", self.dims.z),
+            files => format!("TIFF, series of {files} files"),
+        }
+    }
+}
+
 fn read(path: &Path, mut file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     let palette = palette::taken(&mut file);
-    let (page, own) = pages_alike(&file)?;
-    let mut notes = Vec::new();
-    if own.others > 0 {
-        notes.push(format!(
-            "pages left out, of another size or type than the first: {}",
-            own.others
-        ));
-    }
-    let told = Told::of(&mut open(&file)?);
-    let behind = if own.alike.len() == 1 { behind_first(&file, &told)? } else { None };
-    let pages = if behind.is_some() { (0..told.images).collect() } else { own.alike };
-    let is_one = pages.len() == 1;
-    let (pages, volumes) = told.one_volume(pages, reading, &mut notes)?;
-    let series = if is_one { series(path, &mut notes) } else { Vec::new() };
-    let depth = pages.len().max(series.len());
-    let Some(depth) = u32::try_from(depth).ok().filter(|depth| *depth <= MAX_AXIS_VX) else {
-        return Err(FormatError::Scan(format!(
-            "{depth} pages; at most {MAX_AXIS_VX} are read; leave some out, or scale it down"
-        )));
-    };
-    let dims = UVec3::new(page.width, page.height, depth);
-    let voxel_size = told.voxel_size;
-    reading.admit(dims, voxel_size)?;
-    let mut stack = PageStack { page, number: None, data: Vec::new(), dims, reading };
+    let mut stack = TiffStack::of(&mut open(&file)?, path, reading)?;
+    let (page, dims) = (stack.page, stack.dims);
+    let mut layers = PageStack { page, number: None, data: Vec::new(), dims, reading };
 
     reading.progress.begin("reading pages");
-    let added = match (series.is_empty(), behind) {
-        (true, Some(begin)) => stack.add_behind(&file, begin, &pages),
-        (true, None) => pages.iter().try_for_each(|&i| stack.add(&file, i)),
-        (false, _) => series.iter().try_for_each(|path| {
+    let added = match (stack.series.is_empty(), stack.behind) {
+        (true, Some(begin)) => layers.add_behind(&file, begin as usize, &stack.pages),
+        (true, None) => stack.pages.iter().try_for_each(|&i| layers.add(&file, i)),
+        (false, _) => stack.series.iter().try_for_each(|path| {
             let mut file = reading.read(path)?;
             palette::taken(&mut file);
-            stack.add(&file, 0)
+            layers.add(&file, 0)
         }),
     };
     reading.progress.end();
     added?;
-    let kind = match series.len() {
-        0 => format!("TIFF, pages: {depth}"),
-        files => format!("TIFF, series of {files} files"),
-    };
-    let number = stack.number.unwrap_or(Number::U8);
+    let number = layers.number.unwrap_or(Number::U8);
     let samples = match palette.filter(|_| number == Number::U8) {
-        Some(_) if told.is_of_imagej => {
-            notes.push("its palette, by which ImageJ shows densities, was left out".to_string());
-            number.into_samples(stack.data, false, [1.0, 0.0])
+        Some(_) if stack.is_of_imagej => {
+            let note = "its palette, by which ImageJ shows densities, was left out";
+            stack.notes.push(note.to_string());
+            number.into_samples(layers.data, false, [1.0, 0.0])
         }
         Some(palette) => {
-            (Samples::Rgb8, stack.data.iter().flat_map(|i| palette[usize::from(*i)]).collect())
+            (Samples::Rgb8, layers.data.iter().flat_map(|i| palette[usize::from(*i)]).collect())
         }
-        None => number.into_samples(stack.data, false, [1.0, 0.0]),
+        None => number.into_samples(layers.data, false, [1.0, 0.0]),
     };
-    let volume = volume(dims, voxel_size, samples, Vec::new());
     Ok(Scan {
-        volume: volume.into(),
+        volume: volume(dims, stack.voxel_size, samples, Vec::new()).into(),
         frame: AxisFrame::Unknown,
-        kind,
+        kind: stack.kind(),
         is_label: false,
-        volumes,
-        notes,
+        volumes: stack.volumes,
+        notes: stack.notes,
     })
 }
 
 /// Returns the start of the first page if the others follow it without directories of their own, as ImageJ writes large
 /// files. `None` otherwise.
-fn behind_first(file: &[u8], told: &Told) -> Result<Option<usize>, FormatError> {
-    let mut pages = open(file)?;
-    let is_packed = !matches!(pages.get_tag_u32(Tag::Compression), Ok(1) | Err(_));
+fn behind_first<R: Read + Seek>(first: &mut Decoder<R>, told: &Told) -> Option<u64> {
+    let is_packed = !matches!(first.get_tag_u32(Tag::Compression), Ok(1) | Err(_));
     if !told.is_of_imagej || told.images < 2 || is_packed {
-        return Ok(None);
+        return None;
     }
-    let begins = pages.get_tag_u64_vec(Tag::StripOffsets).ok();
-    Ok(begins.and_then(|begins| usize::try_from(*begins.first()?).ok()))
+    first.get_tag_u64_vec(Tag::StripOffsets).ok()?.first().copied()
 }
 
 /// The pages of a file.
@@ -149,16 +196,15 @@ struct TiffPages {
     others: usize,
 }
 
-fn pages_alike(file: &[u8]) -> Result<(Page, TiffPages), FormatError> {
-    let mut pages = open(file)?;
-    let first = page_of(&mut pages)?;
+fn pages_alike<R: Read + Seek>(pages: &mut Decoder<R>) -> Result<(Page, TiffPages), FormatError> {
+    let first = page_of(pages)?;
     let mut found = TiffPages { alike: vec![0], others: 0 };
     for i in 1.. {
         if !pages.more_images() || i > MAX_AXIS_VX as usize {
             break;
         }
         pages.next_image().map_err(damaged)?;
-        match page_of(&mut pages)? == first {
+        match page_of(pages)? == first {
             true => found.alike.push(i),
             false => found.others += 1,
         }
@@ -170,7 +216,7 @@ fn open(file: &[u8]) -> Result<Pages<'_>, FormatError> {
     Decoder::new(Cursor::new(file)).map_err(damaged)
 }
 
-fn page_of(pages: &mut Pages) -> Result<Page, FormatError> {
+fn page_of<R: Read + Seek>(pages: &mut Decoder<R>) -> Result<Page, FormatError> {
     let (width, height) = pages.dimensions().map_err(damaged)?;
     let colours = pages.colortype().map_err(damaged)?;
     match colours {

@@ -1,26 +1,32 @@
 //! Legacy files of VTK (docs.vtk.org, "VTK legacy file format"): structured points, as text or binary.
 //!
 //! Takes the bytes of a file; gives the first array of scalars of its points, or else of its cells. Binary numbers are
-//! big-endian.
+//! big-endian. A large binary array may stay in the file.
 
 use glam::{UVec3, Vec3};
 
 use super::frame::AxisFrame;
 use super::numbers::{Number, volume};
-use super::reading::{Reading, Scan};
+use super::reading::{Reading, Scan, ScanVolume};
 use super::unpack::{cut, malformed};
-use crate::format::FormatError;
 use crate::format::error::excerpt;
+use crate::format::layered::{LayeredVolume, PartPacking, StoredVoxels, VoxelPart};
 use crate::format::spec::{FormatSpec, Import, Sign};
+use crate::format::{FormatError, Volumes};
 
 pub static SPEC: FormatSpec = FormatSpec {
     signs: &[Sign::At(0, MAGIC.as_bytes())],
-    ..FormatSpec::new(
-        "legacy VTK data",
-        &["vtk"],
-        Import::Scan(|reading| reading.read_whole(reading.path, |file| read(file, reading))),
-    )
+    ..FormatSpec::new("legacy VTK data", &["vtk"], Import::Scan(open))
 };
+
+fn open(reading: &Reading) -> Result<(Scan, u64), FormatError> {
+    if reading.in_layers
+        && let Some(scan) = layered(reading)?
+    {
+        return Ok((scan, std::fs::metadata(reading.path)?.len()));
+    }
+    reading.read_whole(reading.path, |file| read(file, reading))
+}
 
 const MAGIC: &str = "# vtk DataFile Version";
 /// Greatest number of header lines, and of characters in one, that are examined.
@@ -50,65 +56,118 @@ impl<'a> VtkLines<'a> {
     }
 }
 
-fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
-    let refused = |what: String| FormatError::Scan(format!("{what}; write it as .vti or .nrrd"));
-    let mut lines = VtkLines { rest: &file };
-    let first = lines.next().unwrap_or_default();
-    if !first.starts_with(MAGIC) {
-        return Err(refused(format!(
-            "this is not a file of VTK: it begins with `{}`",
-            excerpt(first.as_bytes())
-        )));
+/// An array of scalars.
+struct VtkArray {
+    head: VtkHeader,
+    number: Number,
+    dims: UVec3,
+    /// Where its values begin in the file.
+    begin: usize,
+}
+
+impl VtkArray {
+    /// Finds the array in a file, of which only the beginning need be there.
+    fn of(file: &[u8]) -> Result<VtkArray, FormatError> {
+        let refused =
+            |what: String| FormatError::Scan(format!("{what}; write it as .vti or .nrrd"));
+        let mut lines = VtkLines { rest: file };
+        let first = lines.next().unwrap_or_default();
+        if !first.starts_with(MAGIC) {
+            return Err(refused(format!(
+                "this is not a file of VTK: it begins with `{}`",
+                excerpt(first.as_bytes())
+            )));
+        }
+        // A title, which may be empty.
+        let end = lines.rest.iter().position(|byte| *byte == b'\n').unwrap_or(lines.rest.len());
+        let title = lines.rest[..end.min(256)].trim_ascii().to_vec();
+        lines.rest = lines.rest.get(end + 1..).unwrap_or_default();
+        let mut head = VtkHeader { title, voxel_size: [1.0; 3], ..VtkHeader::default() };
+        let mut array = None;
+        for _ in 0..MOST_LINES {
+            let Some(line) = lines.next() else { break };
+            if let Some(found) = head.take(&line, &mut lines)? {
+                array = Some(found);
+                break;
+            }
+        }
+        let Some(number) = array else {
+            return Err(refused("it holds no array of scalars".to_string()));
+        };
+        let sizes = head.sizes.map(|size| match head.is_of_cells {
+            true => size.saturating_sub(1).max(1),
+            false => size,
+        });
+        if sizes.contains(&0) {
+            return Err(malformed("the header", "its size is missing, or 0"));
+        }
+        let begin = file.len() - lines.rest.len();
+        Ok(VtkArray { head, number, dims: UVec3::from(sizes), begin })
     }
-    // A title, which may be empty.
-    let end = lines.rest.iter().position(|byte| *byte == b'\n').unwrap_or(lines.rest.len());
-    let title = lines.rest[..end.min(256)].trim_ascii().to_vec();
-    lines.rest = lines.rest.get(end + 1..).unwrap_or_default();
-    let mut head = VtkHeader { title, voxel_size: [1.0; 3], ..VtkHeader::default() };
-    let mut array = None;
-    for _ in 0..MOST_LINES {
-        let Some(line) = lines.next() else { break };
-        if let Some(found) = head.take(&line, &mut lines)? {
-            array = Some(found);
-            break;
+
+    fn voxel_size(&self) -> Vec3 {
+        Vec3::from(self.head.voxel_size)
+    }
+
+    /// Returns the scan. `rest_bytes`: what follows the header in the file.
+    fn scan(&self, volume: ScanVolume, volumes: Volumes, rest_bytes: u64) -> Scan {
+        let VtkHeader { is_binary, has_others, .. } = self.head;
+        let coding = if is_binary { "binary" } else { "text" };
+        let bytes = self.number.volume_bytes(self.dims);
+        let has_others = has_others || (is_binary && rest_bytes > bytes.saturating_add(2));
+        let note = "other arrays of the file, if it has some, were left out".to_string();
+        Scan {
+            volumes,
+            volume,
+            frame: AxisFrame::Unknown,
+            kind: format!("VTK structured points, {coding}"),
+            is_label: false,
+            notes: has_others.then_some(note).into_iter().collect(),
         }
     }
-    let Some(number) = array else {
-        return Err(refused("it holds no array of scalars".to_string()));
-    };
-    let sizes = head.sizes.map(|size| match head.is_of_cells {
-        true => size.saturating_sub(1).max(1),
-        false => size,
-    });
-    let dims = UVec3::from(sizes);
-    let voxel_size = Vec3::from(head.voxel_size);
-    if sizes.contains(&0) {
-        return Err(malformed("the header", "its size is missing, or 0"));
+}
+
+/// Returns the scan of a large array that stays in its file; `None` for one that must be read whole.
+fn layered(reading: &Reading) -> Result<Option<Scan>, FormatError> {
+    let start = reading.start(reading.path)?;
+    // All that can be wrong is told by the other reader.
+    let Ok(array) = VtkArray::of(&start) else { return Ok(None) };
+    let (number, dims, voxel_size) = (array.number, array.dims, array.voxel_size());
+    let bytes = number.volume_bytes(dims);
+    if !array.head.is_binary || !reading.is_large(bytes) {
+        return Ok(None);
     }
     reading.admit(dims, voxel_size)?;
+    let volumes = reading.volumes(1)?;
+    let (path, begin) = (reading.path.to_path_buf(), array.begin as u64);
+    let rest_bytes = std::fs::metadata(&path)?.len().saturating_sub(begin);
+    let part = VoxelPart { path, packing: PartPacking::Plain, packed_at: 0, begin, bytes };
+    let (is_big, scale) = (true, [1.0, 0.0]);
+    let stored = StoredVoxels { parts: vec![part], skip: 0, number, is_big, scale };
+    let title = array.head.title.clone();
+    let volume = LayeredVolume::new(stored, dims, voxel_size, title, reading.progress)?;
+    Ok(Some(array.scan(volume.into(), volumes, rest_bytes)))
+}
+
+fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
+    let array = VtkArray::of(&file)?;
+    let (number, dims, voxel_size) = (array.number, array.dims, array.voxel_size());
+    reading.admit(dims, voxel_size)?;
     let bytes = number.check(dims, reading.rest_bytes(file.len() as u64))?;
-    let found = lines.rest.len() as u64;
-    let data = match head.is_binary {
+    let rest = &file[array.begin..];
+    let found = rest.len() as u64;
+    let is_binary = array.head.is_binary;
+    let data = match is_binary {
         true => {
-            let data = usize::try_from(bytes).ok().and_then(|bytes| lines.rest.get(..bytes));
+            let data = usize::try_from(bytes).ok().and_then(|bytes| rest.get(..bytes));
             data.ok_or_else(|| cut(bytes, found))?.to_vec()
         }
-        false => super::nrrd::text(lines.rest, number, bytes)?,
+        false => super::nrrd::text(rest, number, bytes)?,
     };
-    let samples = number.into_samples(data, head.is_binary, [1.0, 0.0]);
-    let coding = if head.is_binary { "binary" } else { "text" };
+    let samples = number.into_samples(data, is_binary, [1.0, 0.0]);
     let volumes = reading.volumes(1)?;
-    Ok(Scan {
-        volumes,
-        volume: volume(dims, voxel_size, samples, head.title).into(),
-        frame: AxisFrame::Unknown,
-        kind: format!("VTK structured points, {coding}"),
-        is_label: false,
-        notes: vec!["other arrays of the file, if it has some, were left out".to_string()]
-            .into_iter()
-            .filter(|_| head.has_others || (head.is_binary && found > bytes + 2))
-            .collect(),
-    })
+    let volume = volume(dims, voxel_size, samples, array.head.title.clone());
+    Ok(array.scan(volume.into(), volumes, found))
 }
 
 /// The values of the lines before the array.

@@ -69,9 +69,9 @@ const RINGS: [&[[i8; 3]]; 3] = [
 const NO_NORMAL_DEPTH: f32 = 0.5 * PackedDepth::PER_VX;
 
 impl Band {
-    /// Returns the brick of linear index `index`; `None` if it has no voxel near the surface.
-    pub fn of(grid: &Grid, normals: &NormalField, index: u32) -> Option<Band> {
-        let b = grid.brick_coords(index as usize).as_ivec3();
+    /// Returns the brick at `b`; `None` if it has no voxel near the surface.
+    pub fn of(grid: &Grid, normals: &NormalField, b: UVec3) -> Option<Band> {
+        let b = b.as_ivec3();
         let dims = grid.brick_dims().as_ivec3();
         let mut pages = [NO_PAGE; 27];
         let mut surface = [[0; 8]; 27];
@@ -230,7 +230,7 @@ fn bricks_around(grid: &Grid, b: IVec3) -> BricksAround {
         let at = b + offset;
         if at.cmpge(IVec3::ZERO).all() && at.cmplt(dims).all() {
             let at = at.as_uvec3();
-            bricks[i] = match grid.brick_kind(grid.brick_index(at)) {
+            bricks[i] = match grid.kind(at) {
                 BrickKind::Empty => continue,
                 BrickKind::Full => [u64::MAX; 8],
                 BrickKind::Mixed => grid.brick(at).to_rows(),

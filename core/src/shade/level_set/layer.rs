@@ -74,11 +74,11 @@ impl LevelLayer {
             for brick_x in xs.clone() {
                 let length = BRICK_EDGE_VX.min(dims.x - brick_x * BRICK_EDGE_VX) as usize;
                 let first = first_row + 1 + (brick_x * BRICK_EDGE_VX) as usize;
-                let index = grid.brick_index(UVec3::new(brick_x, brick_y, brick_z));
+                let b = UVec3::new(brick_x, brick_y, brick_z);
                 let mut buffer = [0; 64];
-                let levels: &[i8; 64] = match set.table[index] {
+                let levels: &[i8; 64] = match set.page(b) {
                     NO_PAGE => {
-                        buffer.fill(set.far(grid, index));
+                        buffer.fill(set.far(grid, b));
                         &buffer
                     }
                     page => {

@@ -11,8 +11,8 @@
 //! existing voxel are stored as a grid of their own, one voxel larger than the sculpture, in which `ray` finds the
 //! first cells of a ray. `sample` makes index maps.
 //!
-//! Takes a grid and its normals, and follows their changes; knows no document. Levels do not depend on the order in
-//! which bricks are computed, nor on threads.
+//! Takes a grid and its normals, and follows their changes; knows no document. Memory is in proportion to the surface.
+//! Levels do not depend on the order in which bricks are computed, nor on threads.
 
 mod band;
 mod layer;
@@ -23,15 +23,19 @@ mod sample;
 mod tests;
 mod thin;
 
+use std::collections::BTreeMap;
+
 use glam::{IVec3, UVec3, Vec3};
 use rayon::prelude::*;
 
 use self::band::{Band, cells_at};
 use super::NormalField;
 use super::normal_field::PackedDepth;
-use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, BrickKind};
+use super::per_leaf::{PerBrick, PerLeaf};
+use crate::refusal::{MemoryBudget, OverBudget};
+use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, Brick, BrickKind, local_coords};
+use crate::sculpture::brick_set::{BrickSet, LeafKey, for_each_in};
 use crate::sculpture::grid::{LEAF_EDGE_LOG2, unflatten, uniform_in};
-use crate::sculpture::index_set::IndexSet;
 use crate::sculpture::region::BrickBox;
 use crate::sculpture::{Grid, GridError};
 use crate::view::PixelRays;
@@ -49,8 +53,11 @@ const LEAST: i8 = 3;
 /// The entry of a brick without a page: all its voxels are far from the surface.
 pub const NO_PAGE: u32 = u32::MAX;
 
-/// Bricks that are computed at once, so that memory stays bounded and the time can be checked in between.
+/// About the bricks that are computed at once, so that memory stays bounded and the time can be checked in between.
 const PORTION: usize = 1024;
+
+/// Bytes for each brick near the surface: its levels, its page, and the bits of its cells.
+const BRICK_BYTES: usize = size_of::<PageLevels>() + size_of::<u32>() + size_of::<Brick>();
 
 /// The levels of the voxels of a brick: `x + 8 y + 64 z`.
 pub type PageLevels = [i8; BRICK_VOXELS as usize];
@@ -58,21 +65,26 @@ pub type PageLevels = [i8; BRICK_VOXELS as usize];
 /// The smooth surface of one grid.
 #[derive(Debug)]
 pub struct LevelSet {
-    /// The page of each brick, by linear index.
-    table: Vec<u32>,
+    /// The page of each brick.
+    table: PerBrick,
     pages: Vec<PageLevels>,
     free: Vec<u32>,
     /// Cells with an existing voxel.
     cells: Grid,
     /// Bricks whose levels may be out of date.
-    stale: IndexSet,
+    stale: BTreeMap<LeafKey, Brick>,
 }
 
 impl LevelSet {
-    /// Returns the cells of a grid and a place for its levels, all of which are outstanding, within `budget_bytes`.
+    /// Returns the cells of a grid and a place for its levels, all of which are outstanding. An error if those near the
+    /// surface need more than `budget_bytes`.
     pub fn new(grid: &Grid, budget_bytes: u64) -> Result<LevelSet, GridError> {
-        let count = grid.brick_count();
-        let mut cells = grid.of_cells(budget_bytes)?;
+        let stale = bricks_near_surface(grid);
+        let bricks: u64 = stale.values().map(|bricks| u64::from(bricks.count())).sum();
+        let what = format!("the smooth surface of {} voxels needs", grid.dims());
+        let needed = bricks * BRICK_BYTES as u64;
+        OverBudget::check(what, needed, MemoryBudget::Grids, budget_bytes)?;
+        let mut cells = grid.of_cells();
         let voxels_of = |cells: BrickBox| BrickBox {
             min: cells.min.saturating_sub(UVec3::ONE),
             max: cells.max.min(grid.brick_dims()),
@@ -81,15 +93,8 @@ impl LevelSet {
             |cells| uniform_in(grid, voxels_of(cells)),
             |b| cells_at(grid, b.as_ivec3()),
         );
-        let mut stale = IndexSet::new(count);
-        bricks_near_surface(grid).into_iter().for_each(|index| stale.insert(index));
-        Ok(LevelSet {
-            table: vec![NO_PAGE; count],
-            pages: Vec::new(),
-            free: Vec::new(),
-            cells,
-            stale,
-        })
+        let table = PerLeaf::new(grid.brick_dims(), &[[NO_PAGE; 512]]);
+        Ok(LevelSet { table, pages: Vec::new(), free: Vec::new(), cells, stale })
     }
 
     /// Returns whether the levels are those of a grid of this size.
@@ -100,15 +105,19 @@ impl LevelSet {
     /// Notes that voxels, normals or depths of bricks (linear indices) have changed.
     pub fn follow(&mut self, grid: &Grid, changed: &[u32]) {
         let last = grid.brick_dims() - 1;
+        let mut around = BrickSet::default();
         for &index in changed {
             let b = grid.brick_coords(index as usize);
             let (low, high) = (b.saturating_sub(UVec3::ONE), (b + 1).min(last));
             for z in low.z..=high.z {
                 for y in low.y..=high.y {
-                    let first = grid.brick_index(UVec3::new(low.x, y, z)) as u32;
-                    (first..=first + (high.x - low.x)).for_each(|index| self.stale.insert(index));
+                    (low.x..=high.x).for_each(|x| around.insert(UVec3::new(x, y, z)));
                 }
             }
+        }
+        for (leaf, bricks) in around.leaves() {
+            let stale = self.stale.entry(leaf).or_default();
+            *stale = stale.or(&bricks);
         }
     }
 
@@ -126,27 +135,36 @@ impl LevelSet {
         changed: &mut Vec<u32>,
         mut goes_on: impl FnMut() -> bool,
     ) {
-        let mut stale = Vec::new();
-        self.stale.collect_into(&mut stale);
-        self.stale.clear();
-        let mut portions = stale.chunks(PORTION);
-        while goes_on() {
-            let Some(portion) = portions.next() else { break };
-            let compute = |&index: &u32| Band::of(grid, normals, index).map(|band| band.levels());
+        let first = changed.len();
+        while !self.stale.is_empty() && goes_on() {
+            let portion = self.next_portion();
+            let compute = |b: &UVec3| Band::of(grid, normals, *b).map(|band| band.levels());
             let levels: Vec<Option<PageLevels>> = portion.par_iter().map(compute).collect();
-            for (&index, levels) in portion.iter().zip(&levels) {
-                let differs = self.store(index, levels.as_ref());
+            for (&b, levels) in portion.iter().zip(&levels) {
+                let differs = self.store(b, levels.as_ref());
+                let index = grid.brick_index(b) as u32;
                 if self.update_cells(grid, index) || differs {
                     changed.push(index);
                 }
             }
         }
-        portions.flatten().for_each(|&index| self.stale.insert(index));
+        changed[first..].sort_unstable();
+    }
+
+    /// Takes the next outstanding bricks.
+    fn next_portion(&mut self) -> Vec<UVec3> {
+        let mut portion = Vec::new();
+        while portion.len() < PORTION
+            && let Some((leaf, bricks)) = self.stale.pop_first()
+        {
+            for_each_in(leaf, &bricks, |b| portion.push(b));
+        }
+        portion
     }
 
     /// Returns the number of bricks whose levels are to be computed.
     pub(crate) fn outstanding(&self) -> usize {
-        self.stale.len()
+        self.stale.values().map(|bricks| usize::from(bricks.count())).sum()
     }
 
     /// Returns whether nothing is outstanding.
@@ -155,23 +173,19 @@ impl LevelSet {
     }
 
     /// Stores the levels of a brick. Returns whether they differ.
-    fn store(&mut self, index: u32, levels: Option<&PageLevels>) -> bool {
-        let page = &mut self.table[index as usize];
+    fn store(&mut self, b: UVec3, levels: Option<&PageLevels>) -> bool {
+        let page = self.page(b);
         match levels {
-            None if *page == NO_PAGE => false,
+            None if page == NO_PAGE => false,
             None => {
-                self.free.push(std::mem::replace(page, NO_PAGE));
+                self.free.push(page);
+                *self.table.own_at(b) = NO_PAGE;
                 true
             }
             Some(levels) => {
-                let is_new = *page == NO_PAGE;
-                if is_new {
-                    *page = self.free.pop().unwrap_or_else(|| {
-                        self.pages.push([0; BRICK_VOXELS as usize]);
-                        self.pages.len() as u32 - 1
-                    });
-                }
-                let stored = &mut self.pages[*page as usize];
+                let is_new = page == NO_PAGE;
+                let page = if is_new { self.new_page(b) } else { page };
+                let stored = &mut self.pages[page as usize];
                 let differs = is_new || stored != levels;
                 if differs {
                     *stored = *levels;
@@ -179,6 +193,16 @@ impl LevelSet {
                 differs
             }
         }
+    }
+
+    /// Returns a page that belongs to the brick at `b` from now on.
+    fn new_page(&mut self, b: UVec3) -> u32 {
+        let page = self.free.pop().unwrap_or_else(|| {
+            self.pages.push([0; BRICK_VOXELS as usize]);
+            self.pages.len() as u32 - 1
+        });
+        *self.table.own_at(b) = page;
+        page
     }
 
     /// Updates the cells of a brick, and of those beyond the grid's border next to it. Returns whether any differ.
@@ -207,9 +231,9 @@ impl LevelSet {
 
     #[inline(always)]
     fn level_inside(&self, grid: &Grid, v: UVec3) -> i8 {
-        let index = grid.brick_index(v / BRICK_EDGE_VX);
-        match self.table[index] {
-            NO_PAGE => self.far(grid, index),
+        let b = v / BRICK_EDGE_VX;
+        match self.page(b) {
+            NO_PAGE => self.far(grid, b),
             page => {
                 let UVec3 { x, y, z } = v % BRICK_EDGE_VX;
                 self.pages[page as usize][place(x, y, z)]
@@ -219,8 +243,8 @@ impl LevelSet {
 
     /// Returns the level of a brick without a page.
     #[inline(always)]
-    fn far(&self, grid: &Grid, index: usize) -> i8 {
-        if grid.brick_kind(index) == BrickKind::Full { -FAR } else { FAR }
+    fn far(&self, grid: &Grid, b: UVec3) -> i8 {
+        if grid.kind(b) == BrickKind::Full { -FAR } else { FAR }
     }
 
     /// Returns the levels of the corners of a cell: corner `x + 2 y + 4 z`.
@@ -231,9 +255,9 @@ impl LevelSet {
         let mut levels = [0.0; 8];
         let inside = low.cmpge(IVec3::ZERO).all() && cell.cmplt(grid.dims().as_ivec3()).all();
         if inside && local.max_element() < 7 {
-            let index = grid.brick_index(low.as_uvec3() / BRICK_EDGE_VX);
-            return match self.table[index] {
-                NO_PAGE => [self.far(grid, index).into(); 8],
+            let b = low.as_uvec3() / BRICK_EDGE_VX;
+            return match self.page(b) {
+                NO_PAGE => [self.far(grid, b).into(); 8],
                 page => {
                     let page = &self.pages[page as usize];
                     let first = place(local.x as u32, local.y as u32, local.z as u32);
@@ -250,10 +274,10 @@ impl LevelSet {
         levels
     }
 
-    /// Returns the page of each brick, by linear index; [`NO_PAGE`] where all voxels are far inside (a full brick) or
-    /// outside.
-    pub fn table(&self) -> &[u32] {
-        &self.table
+    /// Returns the page of the brick at `b`; [`NO_PAGE`] where all voxels are far inside (a full brick) or outside.
+    #[inline(always)]
+    pub fn page(&self, b: UVec3) -> u32 {
+        self.table.at_entry(self.table.entry(b)).unwrap_or(NO_PAGE)
     }
 
     /// Returns the levels of bricks, by page.
@@ -296,13 +320,13 @@ impl LevelSet {
 
     /// Returns the memory in use, in bytes.
     pub fn heap_bytes(&self) -> u64 {
-        let pages = (self.pages.len() * size_of::<PageLevels>() + self.table.len() * 4) as u64;
-        pages + self.cells.heap_bytes()
+        let pages = size_of_val(&*self.pages) + self.table.heap_bytes();
+        pages as u64 + self.cells.heap_bytes()
     }
 }
 
-/// Returns the bricks that may have voxels near the surface, as linear indices: all but those amid others of their kind.
-fn bricks_near_surface(grid: &Grid) -> Vec<u32> {
+/// Returns the bricks that may have voxels near the surface: all but those amid others of their kind.
+fn bricks_near_surface(grid: &Grid) -> BTreeMap<LeafKey, Brick> {
     let dims = grid.brick_dims();
     let is_far = |bricks: BrickBox| {
         let min = bricks.min.saturating_sub(UVec3::ONE);
@@ -313,19 +337,23 @@ fn bricks_near_surface(grid: &Grid) -> Vec<u32> {
     };
     let leaf_dims = (dims + 7) >> LEAF_EDGE_LOG2;
     let in_leaf = |at: u32| {
-        let low = unflatten(at, leaf_dims) << LEAF_EDGE_LOG2;
-        let high = (low + 8).min(dims);
-        let size = match is_far(BrickBox { min: low, max: high }) {
-            true => UVec3::ZERO,
-            false => high - low,
-        };
-        (0..size.element_product())
-            .map(move |local| low + unflatten(local, size))
-            .filter(|b| !is_far(BrickBox { min: *b, max: b + 1 }))
-            .map(|b| grid.brick_index(b) as u32)
-            .collect::<Vec<u32>>()
+        let leaf = unflatten(at, leaf_dims);
+        let low = leaf << LEAF_EDGE_LOG2;
+        if is_far(BrickBox { min: low, max: (low + 8).min(dims) }) {
+            return None;
+        }
+        let mut near = Brick::EMPTY;
+        Brick::FULL.for_each(|index| {
+            let local = UVec3::from(local_coords(index));
+            let b = low + local;
+            if b.cmplt(dims).all() && !is_far(BrickBox { min: b, max: b + 1 }) {
+                near.set(local.x, local.y, local.z, true);
+            }
+        });
+        (!near.is_empty()).then(|| (LeafKey::of(leaf), near))
     };
-    (0..leaf_dims.element_product()).into_par_iter().flat_map_iter(in_leaf).collect()
+    let leaves = (0..leaf_dims.element_product()).into_par_iter().filter_map(in_leaf);
+    leaves.collect::<Vec<_>>().into_iter().collect()
 }
 
 /// Returns the level beyond the grid's border at a voxel with this level.

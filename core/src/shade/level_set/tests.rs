@@ -4,6 +4,7 @@ use proptest::prelude::*;
 use super::ray::{Naming, first_root};
 use super::*;
 use crate::scenes::{self, grid_of};
+use crate::sculpture::grid::MAX_AXIS_VX;
 use crate::sculpture::{NO_VOXEL, Placement};
 use crate::surface::{IndexMap, PixelRect};
 use crate::view::{Camera, PixelRays};
@@ -366,9 +367,49 @@ fn the_longest_grids_have_a_smooth_surface_and_those_with_too_many_cells_for_ray
     let seen = map.voxels.iter().filter(|&&voxel| voxel != NO_VOXEL);
     let far = seen.clone().map(|&voxel| grid.voxel_coords(voxel).as_vec3() + 0.5 - middle);
     assert!(seen.count() > 300 && far.into_iter().all(|v| (7.0..9.0).contains(&v.length())));
-    // More cells than 2^32, in a grid with fewer voxels.
-    let most = Grid::new(UVec3::new(4096, 1024, 1023), Vec3::ONE, 1 << 30).unwrap();
-    assert!(LevelSet::new(&most, 1 << 30).is_ok());
+}
+
+/// The smooth surface takes memory for the surface alone, whatever the size of the grid, and follows edits there.
+#[test]
+fn the_largest_grid_has_a_smooth_surface_within_a_budget() {
+    let mut grid = Grid::of_size(UVec3::splat(MAX_AXIS_VX), Vec3::ONE).unwrap();
+    let middle = IVec3::new(8100, 70, 4096);
+    let ball = |radius: i32| {
+        let side = -radius..=radius;
+        let all = side.clone().flat_map(move |z| {
+            let side = -radius..=radius;
+            side.clone().flat_map(move |y| side.clone().map(move |x| IVec3::new(x, y, z)))
+        });
+        all.filter(move |v| v.length_squared() <= radius * radius).map(move |v| middle + v)
+    };
+    ball(20).for_each(|v| grid.set(v, true));
+    let (normals, mut levels) = smooth(&grid);
+    assert!(levels.heap_bytes() < 24 << 20, "{}", levels.heap_bytes());
+    // At the surface, inside and outside.
+    let level = |levels: &LevelSet, grid: &Grid, x: i32| levels.level(grid, middle + IVec3::X * x);
+    assert_eq!([0, 40].map(|x| level(&levels, &grid, x)), [-FAR, FAR]);
+    let at_surface = [20, 21].map(|x| f32::from(level(&levels, &grid, x)) / PackedDepth::PER_VX);
+    assert!(at_surface[0] < 0.0 && at_surface[0] > -1.0, "{at_surface:?}");
+    assert!(at_surface[1] > 0.0 && at_surface[1] < 1.0, "{at_surface:?}");
+    // Without the ball, nothing is near anywhere.
+    let mut emptied = grid.clone();
+    ball(20).for_each(|v| emptied.set(v, false));
+    let changed: Vec<u32> =
+        grid.nonempty_bricks().map(|(b, _)| grid.brick_index(b) as u32).collect();
+    let mut normals = normals;
+    normals.follow(&emptied, Some(&changed));
+    let mut reshaded = changed.clone();
+    normals.update(&emptied, &mut reshaded, || true);
+    levels.follow(&emptied, &reshaded);
+    levels.update(&emptied, &normals, &mut Vec::new());
+    assert_eq!([0, 20, 21].map(|x| level(&levels, &emptied, x)), [FAR; 3]);
+    assert!(levels.cells().opaque_count() == 0);
+    // A sculpture whose surface takes too much is refused before anything is allocated.
+    let refused = LevelSet::new(&grid, 64 << 10).unwrap_err().to_string();
+    assert!(
+        refused.contains("smooth surface") && refused.contains("allowed for grids"),
+        "{refused}"
+    );
 }
 
 #[test]
@@ -394,10 +435,12 @@ fn bricks_amid_others_of_their_kind_have_no_levels() {
     for (at, grid) in grids.iter().enumerate() {
         let normals = NormalField::of(grid);
         let near = bricks_near_surface(grid);
-        let with_levels =
-            (0..grid.brick_count() as u32).filter(|&b| Band::of(grid, &normals, b).is_some());
-        for index in with_levels {
-            assert!(near.contains(&index), "grid {at}: {}", grid.brick_coords(index as usize));
+        for b in (0..grid.brick_count()).map(|index| grid.brick_coords(index)) {
+            if Band::of(grid, &normals, b).is_some() {
+                let in_leaf = near.get(&LeafKey::of(b / 8));
+                let [x, y, z] = (b % 8).to_array();
+                assert!(in_leaf.is_some_and(|bricks| bricks.get(x, y, z)), "grid {at}: {b}");
+            }
         }
         let levels = LevelSet::new(grid, 1 << 30).unwrap();
         let mut cells = levels.cells().emptied();
@@ -406,5 +449,7 @@ fn bricks_amid_others_of_their_kind_have_no_levels() {
     }
     assert!(bricks_near_surface(&grids[1]).is_empty());
     // Of the full one, the two outermost layers.
-    assert_eq!(bricks_near_surface(&grids[0]).len(), 19 * 17 * 12 - 15 * 13 * 8);
+    let near = bricks_near_surface(&grids[0]);
+    let count: u32 = near.values().map(|bricks| u32::from(bricks.count())).sum();
+    assert_eq!(count, 19 * 17 * 12 - 15 * 13 * 8);
 }

@@ -6,12 +6,14 @@
 //! refines it from its surroundings on the same surface. After an edit only the bricks around it are recomputed, on all
 //! cores; those that a picture does not show can be deferred. After opening a sculpture all are computed, in portions,
 //! so that no picture waits; a single picture computes those that it shows alone. Until then, and for voxels that are
-//! not on the surface, shaders use [`super::normal`].
+//! not on the surface, shaders use [`super::normal`]. Their memory can be bounded (`cache`): then those that pictures
+//! showed last are kept.
 //!
 //! Takes a grid and its changes; knows no document. Brick-wise results do not depend on the order in which bricks are
 //! computed, nor on threads or vector instructions. Bricks without surface take no memory.
 
 mod batch;
+mod cache;
 mod cells;
 mod packed;
 mod pages;
@@ -24,6 +26,7 @@ use glam::{UVec3, Vec3};
 
 use batch::Batch;
 pub use batch::Precision;
+use cache::CacheUse;
 pub use packed::{PackedDepth, PackedNormal, unpack_many};
 pub use pages::{NO_PAGE, PageRecords, PageUnit, Pages, SurfaceRecord};
 use seen::sort_from;
@@ -66,6 +69,7 @@ pub struct NormalField {
     /// first.
     estimated: Vec<u32>,
     batch: Batch,
+    cache: CacheUse,
     generation: u64,
 }
 
@@ -108,6 +112,7 @@ impl NormalField {
         let coords =
             |at: u32| UVec3::new(at % size.x, at / size.x % size.y, at / (size.x * size.y));
         self.blocks.extend((0..size.element_product()).map(coords));
+        self.cache.restart(size);
     }
 
     fn queue_around(&mut self, grid: &Grid, b: UVec3) {
@@ -191,7 +196,8 @@ impl NormalField {
             self.compute(level, grid, &portion, Precision::Refined, changed);
         }
         self.fresh = self.queue.len();
-        while go_on()
+        while self.has_room_ahead()
+            && go_on()
             && let Some(block) = self.blocks.pop()
         {
             let portion = self.outstanding_in_block(grid, block);

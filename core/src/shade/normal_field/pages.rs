@@ -113,13 +113,19 @@ pub struct Pages {
     units: Vec<PageUnit>,
     /// Free runs of units, by their length less 1: the first unit of each.
     free: [Vec<u32>; MOST_UNITS],
+    free_units: usize,
     /// The units written since the last query.
     written: Vec<u32>,
 }
 
 impl Default for Pages {
     fn default() -> Pages {
-        Pages { units: vec![PageUnit::default()], free: Default::default(), written: vec![0] }
+        Pages {
+            units: vec![PageUnit::default()],
+            free: Default::default(),
+            free_units: 0,
+            written: vec![0],
+        }
     }
 }
 
@@ -127,6 +133,11 @@ impl Pages {
     /// Returns all units, free ones included.
     pub fn units(&self) -> &[PageUnit] {
         &self.units
+    }
+
+    /// Returns the memory of all pages, without that of free units, in bytes.
+    pub fn used_bytes(&self) -> usize {
+        (self.units.len() - self.free_units) * size_of::<PageUnit>()
     }
 
     /// Moves the indices of the units that were written since the last call to `target`: in ascending order, each once.
@@ -232,6 +243,7 @@ impl Pages {
         if page != NO_PAGE {
             let units = units_for(self.head(page).count());
             self.free[units - 1].push(page);
+            self.free_units += units;
         }
     }
 
@@ -246,6 +258,7 @@ impl Pages {
             (units..=MOST_UNITS).find_map(|length| Some((length, self.free[length - 1].pop()?)));
         match found {
             Some((length, run)) => {
+                self.free_units -= units;
                 if length > units {
                     self.free[length - units - 1].push(run + units as u32);
                 }
@@ -290,6 +303,10 @@ impl PageRecords<'_> {
 mod tests {
     use super::*;
     use crate::scenes::Random;
+
+    fn units_in_use(mask: &SurfaceMask) -> usize {
+        if mask.count() == 0 { 0 } else { units_for(mask.count() as usize) }
+    }
 
     /// Random pages, replaced and freed, always return the values stored last, and freed memory is reused. A copy that
     /// follows the written units is the same.
@@ -339,6 +356,8 @@ mod tests {
             }
         }
         assert!(pages.units().len() <= 30 * MOST_UNITS, "{}", pages.units().len());
+        let used: usize = stored.iter().map(|(_, mask, _)| units_in_use(mask)).sum();
+        assert_eq!(pages.used_bytes(), (1 + used) * size_of::<PageUnit>());
         assert!(pages.units()[0] == PageUnit::default());
     }
 

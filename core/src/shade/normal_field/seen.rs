@@ -104,16 +104,16 @@ impl NormalField {
     pub fn complete_seen<'a>(
         &mut self,
         grid: &Grid,
-        maps: impl IntoIterator<Item = &'a IndexMap>,
+        maps: impl IntoIterator<Item = &'a IndexMap> + Clone,
         changed: &mut Vec<u32>,
         mut go_on: impl FnMut() -> bool,
     ) {
-        if self.is_complete() {
+        if self.is_complete() && !self.follows_pictures() {
             return;
         }
         let mut seen = BrickSet::default();
         let mut edges = Vec::new();
-        for map in maps {
+        for map in maps.clone() {
             bricks_in(map, PixelRect::of_picture(map.rays.size), &self.table, &mut seen);
             edges.push(map.rays.pixel_edges_vx());
         }
@@ -125,9 +125,10 @@ impl NormalField {
                 + 0.5 * BRICK_EDGE_VX as f32;
             edges.iter().any(|edge| edge(centre) < REFINED_BELOW_VX)
         };
-        let first = changed.len();
+        let (first, mut is_finished) = (changed.len(), true);
         for portion in targets.chunk_by(|a, b| block(grid, *a) == block(grid, *b)) {
             if !go_on() {
+                is_finished = false;
                 break;
             }
             let (refined, mut estimated): (Vec<u32>, Vec<u32>) =
@@ -136,6 +137,7 @@ impl NormalField {
             estimated.retain(|i| self.table.page(grid.brick_coords(*i as usize)) == NO_PAGE);
             self.compute(Level::new(), grid, &estimated, Precision::Estimated, changed);
         }
+        self.note_shown(grid, maps, is_finished, changed);
         sort_from(changed, first);
     }
 

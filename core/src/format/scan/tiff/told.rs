@@ -4,15 +4,16 @@
 //! Takes the first page; gives the voxel size and the pages that are the layers of the channel and the time to read.
 
 use std::collections::HashMap;
+use std::io::{Read, Seek};
 
 use glam::Vec3;
 use roxmltree::{Document, Node};
+use tiff::decoder::Decoder;
 use tiff::decoder::ifd::Value;
 use tiff::tags::Tag;
 
 use super::super::reading::{OTHER_CHANNEL, OTHER_TIME, Reading};
 use super::super::unit::mm_per_unit;
-use super::Pages;
 use crate::format::options::ImportOptions;
 use crate::format::{FormatError, Volumes};
 
@@ -61,7 +62,7 @@ pub struct Told {
 
 impl Told {
     /// Reads the metadata of the current page.
-    pub fn of(pages: &mut Pages) -> Told {
+    pub fn of<R: Read + Seek>(pages: &mut Decoder<R>) -> Told {
         let text = pages.get_tag_ascii_string(Tag::ImageDescription).unwrap_or_default();
         let mut told = Told {
             is_of_imagej: text.starts_with("ImageJ="),
@@ -154,7 +155,7 @@ impl Told {
         [c as u64 + 1, t as u64 + 1]
     }
 
-    fn imagej(&mut self, text: &str, pages: &mut Pages) {
+    fn imagej<R: Read + Seek>(&mut self, text: &str, pages: &mut Decoder<R>) {
         let of = |key: &str| text.lines().find_map(|line| line.strip_prefix(key)).map(str::trim);
         let count = |key: &str| {
             let count = of(key).and_then(|text| text.parse().ok());

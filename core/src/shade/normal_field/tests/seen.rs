@@ -6,7 +6,7 @@ use glam::UVec2;
 
 use super::*;
 use crate::sculpture::{NO_VOXEL, Placement};
-use crate::surface::{IndexMap, changed_pixels, raycast};
+use crate::surface::{IndexMap, PixelRect, PixelRects, changed_pixels, raycast};
 use crate::view::{Camera, PixelRays};
 
 fn rays(grid: &Grid) -> PixelRays {
@@ -270,4 +270,77 @@ fn a_picture_from_afar_has_first_estimates() {
     field.update(&grid, &mut Vec::new(), || true);
     assert!(field.is_complete());
     assert_eq!(pictures(&grid, &field), pictures(&grid, &NormalField::of(&grid)));
+}
+
+/// Returns the map of a picture of a cheese from one side.
+fn map_from(grid: &Grid, towards: Vec3) -> IndexMap {
+    let world_from_grid = Placement::default().world_from_grid(grid.dims(), grid.voxel_size());
+    let eye = Camera::framing(90.0, towards, Vec3::Y).eye(UVec2::new(160, 120));
+    let rays = eye.pixel_rays(&world_from_grid);
+    let mut map = IndexMap::new(rays);
+    raycast::sample(grid, &rays, &mut map);
+    map
+}
+
+/// With a bound, pictures have all normals that they show, those shown longest ago give their memory to others, and a
+/// copy that follows what is reported stays the same as the field. Without it, all are computed again.
+#[test]
+fn with_a_bound_the_normals_seen_last_are_kept() {
+    let mut grid = scenes::cheese(200, 60, 3).unwrap();
+    let whole = NormalField::of(&grid);
+    let sides = [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z];
+    let maps = sides.map(|side| map_from(&grid, side));
+    let bytes_of = |map: &IndexMap| {
+        let mut field = NormalField::default();
+        field.follow(&grid, None);
+        field.complete_seen(&grid, [map], &mut Vec::new(), || true);
+        (field.pages().used_bytes() + field.table().page_bytes()) as u64
+    };
+    let most = maps.iter().map(bytes_of).max().unwrap();
+    let limit = 2 * most;
+    assert!(limit < whole.heap_bytes() / 2, "{limit} of {}", whole.heap_bytes());
+    let mut field = NormalField::default();
+    field.set_limit(limit);
+    field.follow(&grid, None);
+    let mut copy: Vec<u32> = field.table().linear();
+    let (mut removed, mut last_count) = (0, 0);
+    for (round, map) in maps.iter().chain(&maps).enumerate() {
+        let mut changed = Vec::new();
+        field.complete_seen(&grid, [map], &mut changed, || true);
+        field.update(&grid, &mut changed, || true);
+        assert!(field.is_settled() && !field.is_complete(), "round {round}");
+        for (v, _) in seen(&grid, map) {
+            assert_eq!(field.packed(v / 8, v % 8), whole.packed(v / 8, v % 8), "{round} {v}");
+        }
+        let used = (field.pages().used_bytes() + field.table().page_bytes()) as u64;
+        assert!(used <= limit + most, "round {round}: {used} of {limit}");
+        // A device knows what is reported.
+        let table = field.table().linear();
+        changed.iter().for_each(|&brick| copy[brick as usize] = table[brick as usize]);
+        assert!(copy == table, "round {round}");
+        let count = page_count(&grid, &field);
+        removed += usize::from(count < last_count);
+        last_count = count;
+    }
+    assert!(removed > 2, "removed {removed} times");
+    // Edits in view, and then everything without a bound.
+    let changed = ball(&mut grid, IVec3::new(196, 100, 100), 20, false);
+    field.follow(&grid, Some(&changed));
+    assert!(!field.is_settled());
+    let map = map_from(&grid, Vec3::X);
+    field.update_seen(
+        &grid,
+        [(&map, PixelRects::of(PixelRect::of_picture(map.rays.size)))],
+        Precision::Refined,
+        &mut Vec::new(),
+    );
+    field.complete_seen(&grid, [&map], &mut Vec::new(), || true);
+    let whole = NormalField::of(&grid);
+    for (v, _) in seen(&grid, &map) {
+        assert_eq!(field.packed(v / 8, v % 8), whole.packed(v / 8, v % 8), "{v}");
+    }
+    field.set_limit(u64::MAX);
+    field.update(&grid, &mut Vec::new(), || true);
+    assert!(field.is_complete());
+    assert_eq!(pictures(&grid, &field), pictures(&grid, &whole));
 }
