@@ -278,7 +278,7 @@ fn render_by_casting(
     followed.follow(document);
     let (grid, material) = (document.grid(), document.material());
     if smooth {
-        followed.complete(grid, document.limits());
+        followed.prepare_surface(grid, document.limits());
     }
     let lighting = view.lighting(options);
     let mut shader = SoftwareShader::default();
@@ -293,12 +293,11 @@ fn render_by_casting(
         for sample in 0..view.samples {
             let rays = eye.sample(sample).pixel_rays(&world_from_grid);
             sampler.sample = sample;
-            match (mode, followed.levels().filter(|_| smooth)) {
-                (_, Some(levels)) => {
-                    sampler.sample(grid, followed.field(), levels, &rays, &mut map);
+            if !(smooth && followed.sample_surface(grid, &mut sampler, &rays, &mut map)) {
+                match mode {
+                    RenderMode::Quickstep => quickstep::sample(grid, &rays, &mut map),
+                    _ => raycast::sample(grid, &rays, &mut map),
                 }
-                (RenderMode::Quickstep, None) => quickstep::sample(grid, &rays, &mut map),
-                _ => raycast::sample(grid, &rays, &mut map),
             }
             followed.complete_seen(grid, &map);
             let source = ShadeSource { grid, material, normals: followed.field(), mask: None };

@@ -40,7 +40,7 @@ pub fn final_picture(
     let normals = NormalField::of(grid);
     let rays = camera.eye.pixel_rays(&camera.world_from_grid);
     let levels = LevelSet::shows(grid, &rays)
-        .then(|| LevelSet::new(grid, Limits::default().grid_bytes).ok())
+        .then(|| LevelSet::whole(grid, Limits::default().grid_bytes).ok())
         .flatten()
         .map(|mut levels| {
             levels.update(grid, &normals, &mut Vec::new());

@@ -135,7 +135,7 @@ fn normals_of(contents: &Contents, progress: &dyn Progress) -> Result<NormalFiel
 
 /// Returns the smooth surface; `None` for a grid that is too large for it, as in pictures of the window.
 fn smooth_surface(grid: &Grid, normals: &NormalField) -> Option<LevelSet> {
-    let made = LevelSet::new(grid, Limits::default().grid_bytes);
+    let made = LevelSet::whole(grid, Limits::default().grid_bytes);
     let mut levels =
         made.inspect_err(|error| tracing::warn!("{error}; the final picture shows voxels")).ok()?;
     levels.update(grid, normals, &mut Vec::new());

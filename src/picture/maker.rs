@@ -16,9 +16,9 @@ use crate::gpu::{Device, DeviceOptions, Frames, Headless};
 use crate::render::Renderer;
 use crate::screen::offscreen;
 use crate::sculpture::{Grid, Limits};
-use crate::shade::{LevelSet, NormalField};
+use crate::shade::{LevelSampler, LevelSet, NormalField};
 use crate::surface::IndexMap;
-use crate::view::StereoLayout;
+use crate::view::{PixelRays, StereoLayout};
 
 /// See the module text.
 pub struct PictureMaker {
@@ -73,7 +73,7 @@ pub(super) struct FollowedNormals {
     /// `None` until it was needed, and where it is too large.
     levels: Option<LevelSet>,
     is_too_large: bool,
-    /// Bricks whose bits or normals have changed since the smooth surface was made.
+    /// Bricks whose bits have changed since the smooth surface was made.
     changed: Vec<u32>,
     subscriber: ChangeSubscriber,
 }
@@ -93,36 +93,45 @@ impl FollowedNormals {
         }
     }
 
-    /// Completes the smooth surface, and the normals that it is made of. A sculpture that is too large for it has none.
-    pub fn complete(&mut self, grid: &Grid, limits: &Limits) {
-        let FollowedNormals { field, levels, is_too_large, changed, .. } = self;
-        if levels.is_none() && !*is_too_large {
-            let made = LevelSet::new(grid, limits.grid_bytes);
-            *is_too_large = made.is_err();
-            *levels = made
-                .inspect_err(|reason| tracing::warn!("{reason}; pictures show voxels instead"))
-                .ok();
+    /// Prepares the smooth surface. A sculpture that is too large for it has none.
+    pub fn prepare_surface(&mut self, grid: &Grid, limits: &Limits) {
+        let FollowedNormals { levels, is_too_large, changed, .. } = self;
+        match levels {
+            Some(levels) => levels.follow_edits(grid, changed),
+            None if *is_too_large => {}
+            None => {
+                let made = LevelSet::new(grid, limits.grid_bytes);
+                *is_too_large = made.is_err();
+                *levels = made
+                    .inspect_err(|reason| tracing::warn!("{reason}; pictures show voxels instead"))
+                    .ok();
+            }
         }
-        let Some(levels) = levels else { return };
-        field.update(grid, changed, || true);
-        levels.follow(grid, changed);
         changed.clear();
-        levels.update(grid, field, &mut Vec::new());
+    }
+
+    /// Samples the smooth surface, of which it computes what the picture shows. Returns false if there is none.
+    pub fn sample_surface(
+        &mut self,
+        grid: &Grid,
+        sampler: &mut LevelSampler,
+        rays: &PixelRays,
+        map: &mut IndexMap,
+    ) -> bool {
+        let FollowedNormals { field, levels, .. } = self;
+        let Some(levels) = levels else { return false };
+        sampler.sample_completing(grid, (field, levels), rays, map);
+        true
     }
 
     /// Completes the normals of the voxels in an index map.
     pub fn complete_seen(&mut self, grid: &Grid, map: &IndexMap) {
-        self.field.complete_seen(grid, [map], &mut self.changed, || true);
+        self.field.complete_seen(grid, [map], &mut Vec::new(), || true);
     }
 
     /// Returns the normals computed so far.
     pub fn field(&self) -> &NormalField {
         &self.field
-    }
-
-    /// Returns the smooth surface; `None` before it was completed.
-    pub fn levels(&self) -> Option<&LevelSet> {
-        self.levels.as_ref()
     }
 }
 

@@ -96,7 +96,7 @@ impl LevelStage {
             return Ok(());
         }
         if self.levels.is_none() {
-            match LevelSet::new(grid, wish.budget_bytes) {
+            match LevelSet::whole(grid, wish.budget_bytes) {
                 Ok(levels) => self.levels = Some(levels),
                 Err(reason) => {
                     self.give_up(&reason);

@@ -66,6 +66,12 @@ impl<T: Clone> PerLeaf<T> {
         leaf.x + self.leaf_dims.x * (leaf.y + self.leaf_dims.y * leaf.z)
     }
 
+    /// Returns the coordinates of the leaf of a number.
+    pub fn leaf(&self, number: u32) -> UVec3 {
+        let UVec3 { x, y, .. } = self.leaf_dims;
+        UVec3::new(number % x, number / x % y, number / (x * y))
+    }
+
     /// Returns the value of the leaf of a number; `None` if there is no such leaf.
     #[inline(always)]
     pub fn get(&self, number: u32) -> Option<&T> {
@@ -129,10 +135,8 @@ impl PerBrick {
 
     /// Calls `f` with each brick of the leaves that have values of their own, and its number.
     pub fn for_each_own(&self, mut f: impl FnMut(UVec3, u32)) {
-        let size = self.leaf_dims;
         for number in (0..self.places.len() as u32).filter(|n| self.common_index(*n).is_none()) {
-            let leaf =
-                UVec3::new(number % size.x, number / size.x % size.y, number / (size.x * size.y));
+            let leaf = self.leaf(number);
             for (index, value) in (0..).zip(self.get(number).into_iter().flatten()) {
                 let b = leaf * 8 + UVec3::from(local_coords(index));
                 if b.cmplt(self.brick_dims).all() {

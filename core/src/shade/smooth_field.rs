@@ -20,7 +20,7 @@ pub(crate) struct SmoothField {
 impl SmoothField {
     /// Returns the surface of a grid of this size, within `limits`; all is outstanding.
     pub fn new(grid: &Grid, limits: &Limits) -> Result<SmoothField, GridError> {
-        let levels = LevelSet::new(grid, limits.grid_bytes)?;
+        let levels = LevelSet::whole(grid, limits.grid_bytes)?;
         Ok(SmoothField { normals: NormalField::default(), levels })
     }
 

@@ -9,7 +9,7 @@ use crate::sculpture::Grid;
 use crate::view::Camera;
 
 fn smooth(subject: &Subject) -> LevelSet {
-    let mut levels = LevelSet::new(&subject.grid, 1 << 30).unwrap();
+    let mut levels = LevelSet::whole(&subject.grid, 1 << 30).unwrap();
     levels.update(&subject.grid, &subject.normals, &mut Vec::new());
     levels
 }

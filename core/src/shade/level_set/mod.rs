@@ -11,30 +11,31 @@
 //! existing voxel are stored as a grid of their own, one voxel larger than the sculpture, in which `ray` finds the
 //! first cells of a ray. `sample` makes index maps.
 //!
-//! Takes a grid and its normals, and follows their changes; knows no document. Memory is in proportion to the surface.
-//! Levels do not depend on the order in which bricks are computed, nor on threads.
+//! Takes a grid and its normals, and follows their changes; knows no document. The levels of the whole surface can be
+//! computed ahead ([`LevelSet::update`]), or those that the rays of a picture meet ([`LevelSet::complete`]). Levels do not
+//! depend on the order in which bricks are computed, nor on threads.
 
 mod band;
 mod layer;
 mod light_ray;
 mod ray;
 mod sample;
+mod stale;
 #[cfg(test)]
 mod tests;
 mod thin;
-
-use std::collections::BTreeMap;
 
 use glam::{IVec3, UVec3, Vec3};
 use rayon::prelude::*;
 
 use self::band::{Band, cells_at};
+use self::stale::StaleBricks;
 use super::NormalField;
-use super::normal_field::PackedDepth;
+use super::normal_field::{PackedDepth, REACH_BRICKS};
 use super::per_leaf::{PerBrick, PerLeaf};
 use crate::refusal::{MemoryBudget, OverBudget};
 use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, Brick, BrickKind, local_coords};
-use crate::sculpture::brick_set::{BrickSet, LeafKey, for_each_in};
+use crate::sculpture::brick_set::{BrickSet, for_each_in};
 use crate::sculpture::grid::{LEAF_EDGE_LOG2, unflatten, uniform_in};
 use crate::sculpture::region::BrickBox;
 use crate::sculpture::{Grid, GridError};
@@ -72,18 +73,17 @@ pub struct LevelSet {
     /// Cells with an existing voxel.
     cells: Grid,
     /// Bricks whose levels may be out of date.
-    stale: BTreeMap<LeafKey, Brick>,
+    stale: StaleBricks,
+    /// Bricks whose cells have changed since the last update.
+    recut: Vec<u32>,
 }
 
 impl LevelSet {
-    /// Returns the cells of a grid and a place for its levels, all of which are outstanding. An error if those near the
-    /// surface need more than `budget_bytes`.
+    /// Returns the cells of a grid and a place for its levels, all of which are outstanding. An error if the cells need
+    /// more than `budget_bytes`.
     pub fn new(grid: &Grid, budget_bytes: u64) -> Result<LevelSet, GridError> {
-        let stale = bricks_near_surface(grid);
-        let bricks: u64 = stale.values().map(|bricks| u64::from(bricks.count())).sum();
-        let what = format!("the smooth surface of {} voxels needs", grid.dims());
-        let needed = bricks * BRICK_BYTES as u64;
-        OverBudget::check(what, needed, MemoryBudget::Grids, budget_bytes)?;
+        let what = format!("the cells of the smooth surface of {} voxels need about", grid.dims());
+        OverBudget::check(what, grid.heap_bytes(), MemoryBudget::Grids, budget_bytes)?;
         let mut cells = grid.of_cells();
         let voxels_of = |cells: BrickBox| BrickBox {
             min: cells.min.saturating_sub(UVec3::ONE),
@@ -93,8 +93,24 @@ impl LevelSet {
             |cells| uniform_in(grid, voxels_of(cells)),
             |b| cells_at(grid, b.as_ivec3()),
         );
-        let table = PerLeaf::new(grid.brick_dims(), &[[NO_PAGE; 512]]);
-        Ok(LevelSet { table, pages: Vec::new(), free: Vec::new(), cells, stale })
+        let dims = grid.brick_dims();
+        let mut stale = StaleBricks::none_of(dims);
+        for (leaf, bricks) in bricks_near_surface(grid) {
+            stale.insert_in(leaf, &bricks);
+        }
+        let table = PerLeaf::new(dims, &[[NO_PAGE; 512]]);
+        let (pages, free, recut) = (Vec::new(), Vec::new(), Vec::new());
+        Ok(LevelSet { table, pages, free, cells, stale, recut })
+    }
+
+    /// Performs [`LevelSet::new`] for a surface that will be computed as a whole. An error if its levels need more than
+    /// `budget_bytes`.
+    pub fn whole(grid: &Grid, budget_bytes: u64) -> Result<LevelSet, GridError> {
+        let levels = LevelSet::new(grid, budget_bytes)?;
+        let what = format!("the smooth surface of {} voxels needs", grid.dims());
+        let needed = (levels.stale.len() * BRICK_BYTES) as u64;
+        OverBudget::check(what, needed, MemoryBudget::Grids, budget_bytes)?;
+        Ok(levels)
     }
 
     /// Returns whether the levels are those of a grid of this size.
@@ -102,22 +118,39 @@ impl LevelSet {
         self.cells.dims() == grid.dims() + 1
     }
 
-    /// Notes that voxels, normals or depths of bricks (linear indices) have changed.
+    /// Notes that voxels, normals or depths of bricks (linear indices) have changed. Updates the cells.
     pub fn follow(&mut self, grid: &Grid, changed: &[u32]) {
-        let last = grid.brick_dims() - 1;
-        let mut around = BrickSet::default();
-        for &index in changed {
-            let b = grid.brick_coords(index as usize);
-            let (low, high) = (b.saturating_sub(UVec3::ONE), (b + 1).min(last));
-            for z in low.z..=high.z {
-                for y in low.y..=high.y {
-                    (low.x..=high.x).for_each(|x| around.insert(UVec3::new(x, y, z)));
-                }
-            }
+        self.follow_within(grid, changed, 1);
+    }
+
+    /// Notes that voxels of bricks have changed, and with them the normals around them.
+    pub fn follow_edits(&mut self, grid: &Grid, edited: &[u32]) {
+        self.follow_within(grid, edited, 1 + REACH_BRICKS);
+    }
+
+    fn follow_within(&mut self, grid: &Grid, changed: &[u32], reach: u32) {
+        let coords = changed.iter().map(|&index| grid.brick_coords(index as usize));
+        let around = around(grid, coords, reach);
+        let mut bricks = Vec::new();
+        for (leaf, mask) in around.leaves() {
+            self.stale.insert_in(leaf.coords(), &mask);
+            for_each_in(leaf, &mask, |b| bricks.push(grid.brick_index(b) as u32));
         }
-        for (leaf, bricks) in around.leaves() {
-            let stale = self.stale.entry(leaf).or_default();
-            *stale = stale.or(&bricks);
+        let places = bricks.iter().flat_map(|&index| {
+            self.cell_bricks(grid, index).map(move |place| (index, place)).collect::<Vec<_>>()
+        });
+        let places: Vec<(u32, u32)> = places.collect();
+        let cells = &self.cells;
+        let made: Vec<(u32, u32, Brick)> = places
+            .into_par_iter()
+            .filter_map(|(index, place)| {
+                let now = cells_at(grid, cells.brick_coords(place as usize).as_ivec3());
+                (now != *cells.brick_at(place as usize)).then_some((index, place, now))
+            })
+            .collect();
+        for (index, place, now) in made {
+            self.cells.set_brick(place as usize, now);
+            self.recut.push(index);
         }
     }
 
@@ -135,36 +168,86 @@ impl LevelSet {
         changed: &mut Vec<u32>,
         mut goes_on: impl FnMut() -> bool,
     ) {
-        let first = changed.len();
+        let first = self.report_recut(changed);
         while !self.stale.is_empty() && goes_on() {
-            let portion = self.next_portion();
-            let compute = |b: &UVec3| Band::of(grid, normals, *b).map(|band| band.levels());
-            let levels: Vec<Option<PageLevels>> = portion.par_iter().map(compute).collect();
-            for (&b, levels) in portion.iter().zip(&levels) {
-                let differs = self.store(b, levels.as_ref());
-                let index = grid.brick_index(b) as u32;
-                if self.update_cells(grid, index) || differs {
-                    changed.push(index);
+            let portion = self.stale.take_first(PORTION);
+            self.compute(grid, normals, &portion, changed);
+        }
+        sort_from(changed, first);
+    }
+
+    /// Computes those of `wanted` that are outstanding, and the normals that they are made of. Reports bricks as
+    /// [`LevelSet::update`] does.
+    pub fn complete(
+        &mut self,
+        grid: &Grid,
+        normals: &mut NormalField,
+        wanted: &BrickSet,
+        changed: &mut Vec<u32>,
+    ) {
+        let first = self.report_recut(changed);
+        let bricks = self.stale.take(wanted);
+        normals.complete_bricks(grid, &around(grid, bricks.iter().copied(), 1), &mut Vec::new());
+        for portion in bricks.chunks(PORTION) {
+            self.compute(grid, normals, portion, changed);
+        }
+        sort_from(changed, first);
+    }
+
+    /// Appends the bricks whose cells have changed. Returns the former length of `changed`.
+    fn report_recut(&mut self, changed: &mut Vec<u32>) -> usize {
+        let first = changed.len();
+        changed.append(&mut self.recut);
+        first
+    }
+
+    /// Computes the levels of bricks.
+    fn compute(
+        &mut self,
+        grid: &Grid,
+        normals: &NormalField,
+        bricks: &[UVec3],
+        changed: &mut Vec<u32>,
+    ) {
+        let compute = |b: &UVec3| Band::of(grid, normals, *b).map(|band| band.levels());
+        let levels: Vec<Option<PageLevels>> = bricks.par_iter().map(compute).collect();
+        for (&b, levels) in bricks.iter().zip(&levels) {
+            if self.store(b, levels.as_ref()) {
+                changed.push(grid.brick_index(b) as u32);
+            }
+        }
+    }
+
+    /// Returns whether any level at the corners of a cell is outstanding; their bricks are added to `outstanding`.
+    pub(super) fn is_outstanding(
+        &self,
+        grid: &Grid,
+        cell: IVec3,
+        outstanding: &mut Vec<UVec3>,
+    ) -> bool {
+        if self.stale.is_empty() {
+            return false;
+        }
+        let last = grid.dims().as_ivec3() - 1;
+        let brick = |v: IVec3| v.clamp(IVec3::ZERO, last).as_uvec3() / BRICK_EDGE_VX;
+        let (low, high) = (brick(cell - 1), brick(cell));
+        let before = outstanding.len();
+        for z in low.z..=high.z {
+            for y in low.y..=high.y {
+                for x in low.x..=high.x {
+                    let b = UVec3::new(x, y, z);
+                    if self.stale.contains(b) {
+                        outstanding.push(b);
+                    }
                 }
             }
         }
-        changed[first..].sort_unstable();
-    }
-
-    /// Takes the next outstanding bricks.
-    fn next_portion(&mut self) -> Vec<UVec3> {
-        let mut portion = Vec::new();
-        while portion.len() < PORTION
-            && let Some((leaf, bricks)) = self.stale.pop_first()
-        {
-            for_each_in(leaf, &bricks, |b| portion.push(b));
-        }
-        portion
+        outstanding.len() > before
     }
 
     /// Returns the number of bricks whose levels are to be computed.
     pub(crate) fn outstanding(&self) -> usize {
-        self.stale.values().map(|bricks| usize::from(bricks.count())).sum()
+        self.stale.len()
     }
 
     /// Returns whether nothing is outstanding.
@@ -203,22 +286,6 @@ impl LevelSet {
         });
         *self.table.own_at(b) = page;
         page
-    }
-
-    /// Updates the cells of a brick, and of those beyond the grid's border next to it. Returns whether any differ.
-    fn update_cells(&mut self, grid: &Grid, index: u32) -> bool {
-        let mut places = [u32::MAX; 8];
-        places.iter_mut().zip(self.cell_bricks(grid, index)).for_each(|(to, place)| *to = place);
-        let mut differs = false;
-        for place in places.into_iter().take_while(|&place| place != u32::MAX) {
-            let place = place as usize;
-            let cells = cells_at(grid, self.cells.brick_coords(place).as_ivec3());
-            if *self.cells.brick_at(place) != cells {
-                self.cells.set_brick(place, cells);
-                differs = true;
-            }
-        }
-        differs
     }
 
     /// Returns the level of a voxel of `grid`, or of one outside: there a voxel at the border continues by one voxel.
@@ -320,13 +387,13 @@ impl LevelSet {
 
     /// Returns the memory in use, in bytes.
     pub fn heap_bytes(&self) -> u64 {
-        let pages = size_of_val(&*self.pages) + self.table.heap_bytes();
+        let pages = size_of_val(&*self.pages) + self.table.heap_bytes() + self.stale.heap_bytes();
         pages as u64 + self.cells.heap_bytes()
     }
 }
 
 /// Returns the bricks that may have voxels near the surface: all but those amid others of their kind.
-fn bricks_near_surface(grid: &Grid) -> BTreeMap<LeafKey, Brick> {
+fn bricks_near_surface(grid: &Grid) -> Vec<(UVec3, Brick)> {
     let dims = grid.brick_dims();
     let is_far = |bricks: BrickBox| {
         let min = bricks.min.saturating_sub(UVec3::ONE);
@@ -350,10 +417,32 @@ fn bricks_near_surface(grid: &Grid) -> BTreeMap<LeafKey, Brick> {
                 near.set(local.x, local.y, local.z, true);
             }
         });
-        (!near.is_empty()).then(|| (LeafKey::of(leaf), near))
+        (!near.is_empty()).then_some((leaf, near))
     };
-    let leaves = (0..leaf_dims.element_product()).into_par_iter().filter_map(in_leaf);
-    leaves.collect::<Vec<_>>().into_iter().collect()
+    (0..leaf_dims.element_product()).into_par_iter().filter_map(in_leaf).collect()
+}
+
+/// Returns bricks and those within so many of them on every axis.
+fn around(grid: &Grid, bricks: impl Iterator<Item = UVec3>, reach: u32) -> BrickSet {
+    let last = grid.brick_dims() - 1;
+    let mut around = BrickSet::default();
+    for b in bricks {
+        let (low, high) = (b.saturating_sub(UVec3::splat(reach)), (b + reach).min(last));
+        for z in low.z..=high.z {
+            for y in low.y..=high.y {
+                (low.x..=high.x).for_each(|x| around.insert(UVec3::new(x, y, z)));
+            }
+        }
+    }
+    around
+}
+
+/// Sorts a list from `first` on, and removes duplicates.
+fn sort_from(list: &mut Vec<u32>, first: usize) {
+    let mut own = list.split_off(first);
+    own.sort_unstable();
+    own.dedup();
+    list.append(&mut own);
 }
 
 /// Returns the level beyond the grid's border at a voxel with this level.

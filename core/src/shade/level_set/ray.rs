@@ -57,6 +57,8 @@ pub(super) struct LevelScene<'a> {
 struct Cell {
     at: IVec3,
     levels: [f32; 8],
+    /// Some of the levels are not known yet.
+    is_outstanding: bool,
     /// 0 if there is none; valid for the existing corners, once requested.
     normals: [Vec3; 8],
     has_normals: bool,
@@ -64,15 +66,24 @@ struct Cell {
 
 /// The cells that were examined last: adjacent pixels examine the same ones. The cache does not affect results.
 #[derive(Clone)]
-pub struct CellCache(Vec<Cell>);
+pub struct CellCache {
+    cells: Vec<Cell>,
+    /// Bricks whose levels were needed and are outstanding.
+    pub(super) outstanding: Vec<UVec3>,
+}
 
 const CACHED_CELLS: usize = 1 << 9;
 
 impl Default for CellCache {
     fn default() -> CellCache {
-        let nothing =
-            Cell { at: IVec3::MIN, levels: [0.0; 8], normals: [Vec3::ZERO; 8], has_normals: false };
-        CellCache(vec![nothing; CACHED_CELLS])
+        let nothing = Cell {
+            at: IVec3::MIN,
+            levels: [0.0; 8],
+            is_outstanding: false,
+            normals: [Vec3::ZERO; 8],
+            has_normals: false,
+        };
+        CellCache { cells: vec![nothing; CACHED_CELLS], outstanding: Vec::new() }
     }
 }
 
@@ -81,18 +92,20 @@ impl CellCache {
     fn slot(&mut self, at: IVec3) -> &mut Cell {
         let hash = (at.x as usize) ^ (at.y as usize) << 3 ^ (at.z as usize) << 6;
         let hash = hash ^ hash >> 9;
-        &mut self.0[hash % CACHED_CELLS]
+        &mut self.cells[hash % CACHED_CELLS]
     }
 
     /// Returns a cell with its levels.
     #[inline(always)]
     fn cell(&mut self, grid: &Grid, levels: &LevelSet, at: IVec3) -> &mut Cell {
         let known = self.slot(at);
-        if known.at != at {
+        if known.at != at || known.is_outstanding {
+            let is_outstanding = levels.is_outstanding(grid, at, &mut self.outstanding);
+            let known = self.slot(at);
             known.levels = levels.corners(grid, at);
-            (known.at, known.has_normals) = (at, false);
+            (known.at, known.is_outstanding, known.has_normals) = (at, is_outstanding, false);
         }
-        known
+        self.slot(at)
     }
 
     /// Returns the levels of the corners of a cell.

@@ -11,7 +11,7 @@ use crate::view::{Camera, PixelRays};
 
 fn smooth(grid: &Grid) -> (NormalField, LevelSet) {
     let normals = NormalField::of(grid);
-    let mut levels = LevelSet::new(grid, 1 << 30).unwrap();
+    let mut levels = LevelSet::whole(grid, 1 << 30).unwrap();
     levels.update(grid, &normals, &mut Vec::new());
     (normals, levels)
 }
@@ -178,7 +178,7 @@ fn edits_are_followed() {
     let mut random = scenes::Random(11);
     let mut grid = scenes::cheese(72, 20, 4).unwrap();
     let mut normals = NormalField::of(&grid);
-    let mut levels = LevelSet::new(&grid, 1 << 30).unwrap();
+    let mut levels = LevelSet::whole(&grid, 1 << 30).unwrap();
     levels.update(&grid, &normals, &mut Vec::new());
     for round in 0..12 {
         let middle = random.voxel(grid.dims()).as_vec3();
@@ -220,7 +220,7 @@ fn edits_are_followed() {
 fn portions_add_up() {
     let grid = scenes::cheese(96, 20, 4).unwrap();
     let (normals, whole) = smooth(&grid);
-    let mut levels = LevelSet::new(&grid, 1 << 30).unwrap();
+    let mut levels = LevelSet::whole(&grid, 1 << 30).unwrap();
     let mut portions = 0;
     while !levels.is_complete() {
         let mut asked = 0;
@@ -405,7 +405,7 @@ fn the_largest_grid_has_a_smooth_surface_within_a_budget() {
     assert_eq!([0, 20, 21].map(|x| level(&levels, &emptied, x)), [FAR; 3]);
     assert!(levels.cells().opaque_count() == 0);
     // A sculpture whose surface takes too much is refused before anything is allocated.
-    let refused = LevelSet::new(&grid, 64 << 10).unwrap_err().to_string();
+    let refused = LevelSet::whole(&grid, 64 << 10).unwrap_err().to_string();
     assert!(
         refused.contains("smooth surface") && refused.contains("allowed for grids"),
         "{refused}"
@@ -437,12 +437,12 @@ fn bricks_amid_others_of_their_kind_have_no_levels() {
         let near = bricks_near_surface(grid);
         for b in (0..grid.brick_count()).map(|index| grid.brick_coords(index)) {
             if Band::of(grid, &normals, b).is_some() {
-                let in_leaf = near.get(&LeafKey::of(b / 8));
+                let in_leaf = near.iter().find(|(leaf, _)| *leaf == b / 8);
                 let [x, y, z] = (b % 8).to_array();
-                assert!(in_leaf.is_some_and(|bricks| bricks.get(x, y, z)), "grid {at}: {b}");
+                assert!(in_leaf.is_some_and(|(_, bricks)| bricks.get(x, y, z)), "grid {at}: {b}");
             }
         }
-        let levels = LevelSet::new(grid, 1 << 30).unwrap();
+        let levels = LevelSet::whole(grid, 1 << 30).unwrap();
         let mut cells = levels.cells().emptied();
         cells.fill_bricks(|b| cells_at(grid, b.as_ivec3()));
         assert_eq!(levels.cells(), &cells, "grid {at}");
@@ -450,6 +450,68 @@ fn bricks_amid_others_of_their_kind_have_no_levels() {
     assert!(bricks_near_surface(&grids[1]).is_empty());
     // Of the full one, the two outermost layers.
     let near = bricks_near_surface(&grids[0]);
-    let count: u32 = near.values().map(|bricks| u32::from(bricks.count())).sum();
+    let count: u32 = near.iter().map(|(_, bricks)| u32::from(bricks.count())).sum();
     assert_eq!(count, 19 * 17 * 12 - 15 * 13 * 8);
+}
+
+/// Pictures for which levels are computed as their rays meet them are those of complete levels: from afar, near and
+/// aslant along the surface, before and after edits, and for each sample of an antialiased picture.
+#[test]
+fn what_a_picture_computes_on_the_way_is_what_it_shows() {
+    let mut grid = scenes::cheese(150, 60, 3).unwrap();
+    let mut normals = NormalField::default();
+    normals.follow(&grid, None);
+    let mut levels = LevelSet::new(&grid, 1 << 30).unwrap();
+    let all = levels.outstanding();
+    let mut sampler = LevelSampler::default();
+    let aslant = PixelRays {
+        origin: Vec3::new(-20.0, 151.0, 75.0),
+        corner: Vec3::new(1.0, -0.06, -0.3),
+        step_x: Vec3::Z * 0.004,
+        step_y: Vec3::Y * -0.001,
+        size: UVec2::new(160, 120),
+    };
+    let views = [
+        aslant,
+        rays_at(&grid, 70.0, Vec3::new(0.8, 0.6, 1.0)),
+        rays_at(&grid, 20.0, Vec3::new(-0.1, 0.2, -1.0)),
+        rays_at(&grid, 250.0, Vec3::NEG_X),
+    ];
+    let mut first = None;
+    for (round, rays) in views.iter().chain(&views).enumerate() {
+        let mut map = IndexMap::new(*rays);
+        sampler.sample = round as u32;
+        sampler.sample_completing(&grid, (&mut normals, &mut levels), rays, &mut map);
+        let (whole_normals, whole) = smooth(&grid);
+        let mut expected = IndexMap::new(*rays);
+        let mut other = LevelSampler::default();
+        other.sample = round as u32;
+        other.sample(&grid, &whole_normals, &whole, rays, &mut expected);
+        assert!(map.voxels == expected.voxels, "round {round}: other voxels");
+        assert!(map.normals == expected.normals, "round {round}: other normals");
+        let seen = map.voxels.iter().filter(|voxel| **voxel != NO_VOXEL).count();
+        assert!(seen > 500, "round {round}: {seen} pixels");
+        first.get_or_insert(all - levels.outstanding());
+        // An edit in the middle of the picture.
+        let hit = map.get(rays.size.x / 2, rays.size.y / 2);
+        let middle = hit.map_or(IVec3::splat(75), |voxel| grid.voxel_coords(voxel).as_ivec3());
+        let mut edited = Vec::new();
+        for z in -9..=9 {
+            for y in -9..=9 {
+                for x in -9..=9 {
+                    let v = middle + IVec3::new(x, y, z);
+                    if grid.contains(v) && IVec3::new(x, y, z).length_squared() < 81 {
+                        grid.set(v, round % 2 == 1);
+                        edited.push(grid.brick_index(v.as_uvec3() / 8) as u32);
+                    }
+                }
+            }
+        }
+        edited.sort_unstable();
+        edited.dedup();
+        normals.follow(&grid, Some(&edited));
+        levels.follow_edits(&grid, &edited);
+    }
+    let first = first.unwrap();
+    assert!(first > 0 && first < all / 2, "{first} of {all} bricks for the first picture");
 }

@@ -37,7 +37,7 @@ use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::sculpture::brick_set::{BrickSet, LeafKey, for_each_in};
 
 /// The distance, in bricks, up to which a changed brick affects others, on every axis.
-const REACH_BRICKS: u32 = 2;
+pub(super) const REACH_BRICKS: u32 = 2;
 /// The most bricks that are computed at once after an edit, regardless of other outstanding work.
 const MOST_AT_ONCE: usize = 4096;
 /// Edge of the blocks of bricks in which a whole sculpture is computed.

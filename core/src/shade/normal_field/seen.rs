@@ -141,6 +141,29 @@ impl NormalField {
         sort_from(changed, first);
     }
 
+    /// Computes the outstanding normals of these bricks. Reports bricks as `update` does.
+    pub(in crate::shade) fn complete_bricks(
+        &mut self,
+        grid: &Grid,
+        bricks: &BrickSet,
+        changed: &mut Vec<u32>,
+    ) {
+        let (first, mut targets) = (changed.len(), Vec::new());
+        for (leaf, wanted) in bricks.leaves() {
+            let outstanding = self.table.outstanding_in(leaf.coords()).and(&wanted);
+            let near = match outstanding.is_empty() {
+                true => continue,
+                false => outstanding.and(&grid.bricks_near_surface(leaf)),
+            };
+            for_each_in(leaf, &near, |b| targets.push(grid.brick_index(b) as u32));
+        }
+        targets.sort_by_cached_key(|index| (block(grid, *index), *index));
+        for portion in targets.chunk_by(|a, b| block(grid, *a) == block(grid, *b)) {
+            self.compute(Level::new(), grid, portion, Precision::Refined, changed);
+        }
+        sort_from(changed, first);
+    }
+
     /// Forgets which first estimates edits have made inexact, and removes those of an opened sculpture that remains to be
     /// computed.
     pub(super) fn forget_inexact(&mut self) {
