@@ -11,7 +11,7 @@ use crate::sculpture::{Brick, Grid, GridError};
 /// Returns a full cube.
 pub fn solid_cube(edge_vx: u32) -> Result<Grid, GridError> {
     let mut grid = cube(edge_vx)?;
-    grid.fill_bricks(|_| Brick::FULL);
+    grid.fill_box(VoxelBox::of_grid(&grid));
     Ok(grid)
 }
 

@@ -19,8 +19,9 @@ use crate::config::Config;
 use crate::document::{Document, Limits};
 use crate::progress::Progress;
 use crate::scenes::{self, Random};
-use crate::sculpture::Grid;
 use crate::sculpture::edit::EditOp;
+use crate::sculpture::grid::MAX_AXIS_VX;
+use crate::sculpture::{Grid, GridError};
 use crate::shade::{self, Lighting, NormalField, Pixels, ShadePose, ShadeSource};
 use crate::surface::{IndexMap, raycast};
 use crate::tools::solid::{Primitive, Solid};
@@ -90,8 +91,7 @@ struct SizedSubject {
 impl SizedSubject {
     /// Returns a full block of which balls of random places and radii are carved, as one step.
     fn block(edge_vx: u32, balls: u32, most_vx: f32, limits: Limits) -> Result<Self, BenchError> {
-        let grid = scenes::solid_cube(edge_vx)?;
-        let mut document = Document::from_contents(contents(grid)?, limits);
+        let mut document = document(scenes::solid_cube(edge_vx), limits)?;
         let mut random = Random(1);
         let start = Instant::now();
         document.apply(&Command::Begin { label: String::new() })?;
@@ -106,8 +106,7 @@ impl SizedSubject {
     }
 
     fn shell(edge_vx: u32, limits: Limits) -> Result<Self, BenchError> {
-        let grid = scenes::gyroid_shell(edge_vx)?;
-        let document = Document::from_contents(contents(grid)?, limits);
+        let document = document(scenes::gyroid_shell(edge_vx), limits)?;
         Ok(SizedSubject { shape: "shell".to_string(), document, make_ms: None })
     }
 
@@ -139,9 +138,10 @@ impl SizedSubject {
     }
 }
 
-fn contents(grid: Grid) -> Result<crate::sculpture::history::Contents, BenchError> {
-    without_colour(Ok(grid))
-        .map_err(|error| BenchError::Subject { subject: "a scene".to_string(), error })
+fn document(grid: Result<Grid, GridError>, limits: Limits) -> Result<Document, BenchError> {
+    let contents = without_colour(grid);
+    let told = |error| BenchError::Subject { subject: "a scene".to_string(), error };
+    Ok(Document::from_contents(contents.map_err(told)?, limits))
 }
 
 fn ball(centre_vx: Vec3, radius_vx: f32) -> Command {
@@ -209,7 +209,7 @@ pub fn run(job: &BenchJob, config: &Config, progress: &dyn Progress) -> Result<(
         let most_vx = EDIT_RADIUS_VX.min(edge_vx as f32 / 8.0);
         sizes.push(SizedSubject::block(edge_vx, 1000, most_vx, limits)?.measured(job)?);
         sizes.push(SizedSubject::shell(edge_vx, limits)?.measured(job)?);
-        if edge_vx == crate::sculpture::grid::MAX_AXIS_VX {
+        if edge_vx == MAX_AXIS_VX {
             sizes.push(SizedSubject::block(edge_vx, 10_000, 128.0, limits)?.measured(job)?);
         }
         progress.end();

@@ -95,6 +95,11 @@ impl LevelStage {
         if !wish.wanted || self.given_up {
             return Ok(());
         }
+        if !normals.is_complete() {
+            // It is wanted once pictures have all normals that they show: there is no memory for the others.
+            self.give_up(&"its normals take more memory than grids may");
+            return Ok(());
+        }
         if self.levels.is_none() {
             match LevelSet::whole(grid, wish.budget_bytes) {
                 Ok(levels) => self.levels = Some(levels),
@@ -112,13 +117,6 @@ impl LevelStage {
             Err(error) => return Err(error),
         }
         Ok(())
-    }
-
-    /// Shows voxels instead of the surface until the whole sculpture changes.
-    pub fn refuse(&mut self, reason: &dyn Display) {
-        if !self.given_up {
-            self.give_up(reason);
-        }
     }
 
     fn give_up(&mut self, reason: &dyn Display) {

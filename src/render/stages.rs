@@ -134,14 +134,9 @@ impl Stages {
         self.levels.show(document.grid(), self.normals.field(), &wish)
     }
 
-    fn wish(&mut self, document: &Document, desc: &FrameDesc, wanted: bool) -> LevelWish {
-        let has_normals = self.normals.field().is_complete();
-        if wanted && !has_normals {
-            self.levels.refuse(&"its normals take more memory than grids may");
-        }
-        let wanted = wanted && has_normals;
-        let budget_bytes = document.limits().grid_bytes;
+    fn wish(&self, document: &Document, desc: &FrameDesc, wanted: bool) -> LevelWish {
         let device = desc.mode.shades_on_device().then(|| self.device.clone());
+        let budget_bytes = document.limits().grid_bytes;
         LevelWish { wanted, device, budget_bytes, patience: self.normals.patience }
     }
 

@@ -151,9 +151,7 @@ impl Clip {
 
 /// Returns whether no voxel of a box within a grid exists, as far as whole bricks show it.
 fn has_none(grid: &Grid, voxels: VoxelBox) -> bool {
-    let min = voxels.min.as_uvec3() / BRICK_EDGE_VX;
-    let max = voxels.max.as_uvec3().map(|v| v.div_ceil(BRICK_EDGE_VX));
-    uniform_in(grid, BrickBox { min, max }) == Some(false)
+    BrickBox::around(&voxels, grid).is_none_or(|bricks| uniform_in(grid, bricks) == Some(false))
 }
 
 /// Returns a brick of the local coordinates for which `exists` is true.

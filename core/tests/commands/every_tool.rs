@@ -1,11 +1,9 @@
 //! Tests every tool in edge cases: on empty and full grids, at borders, in corners and outside, and with no strength.
 
 use glam::{UVec3, Vec3};
-use sculpture_core::command::{Command, NewSculpture};
-use sculpture_core::document::{CommandError, Document, Limits};
+use sculpture_core::command::Command;
+use sculpture_core::document::{CommandError, Document};
 use sculpture_core::sculpture::edit::EditOp;
-use sculpture_core::sculpture::{ColourDepth, Rgb};
-use sculpture_core::tools::texture::Texture;
 
 use super::uses::{self, Place};
 
@@ -58,18 +56,7 @@ fn without_strength() -> Vec<Command> {
 const DIMS: UVec3 = UVec3::new(41, 33, 28);
 
 fn document(fill: &[&str], solid: bool) -> Document {
-    let new = NewSculpture {
-        dims: DIMS,
-        voxel_size: Vec3::ONE,
-        colour_depth: ColourDepth::Bits24,
-        base: Rgb::STONE,
-        solid,
-        room_vx: 0,
-        grows: false,
-    };
-    let mut document = Document::new(&new, Limits::default()).unwrap();
-    let stripes = (0..64).map(|i| if i % 8 < 4 { Rgb::STONE } else { Rgb::new(1, 2, 3) });
-    document.learn_picture(uses::PICTURE.as_ref(), Texture::new(8, stripes.collect()).unwrap());
+    let mut document = uses::document(DIMS, solid);
     fill.iter().for_each(|line| assert!(run(&mut document, line).unwrap() > 0, "{line}"));
     document
 }

@@ -2,10 +2,9 @@
 //! nodes, at high coordinates, and at negative ones.
 
 use glam::{IVec3, UVec3, Vec3};
-use sculpture_core::command::{Command, NewSculpture};
-use sculpture_core::document::{Document, Limits};
-use sculpture_core::sculpture::{ColourDepth, Rgb};
-use sculpture_core::tools::texture::Texture;
+use sculpture_core::command::Command;
+use sculpture_core::document::Document;
+use sculpture_core::sculpture::Rgb;
 
 use super::uses::{self, Place};
 
@@ -26,18 +25,7 @@ struct Site {
 impl Site {
     /// Makes the scene in a grid of its own, full or not, which `canvas` then changes.
     fn new(dims: u32, middle: IVec3, solid: bool, canvas: &[&str]) -> Site {
-        let new = NewSculpture {
-            dims: UVec3::splat(dims),
-            voxel_size: Vec3::ONE,
-            colour_depth: ColourDepth::Bits24,
-            base: Rgb::STONE,
-            solid,
-            room_vx: 0,
-            grows: false,
-        };
-        let mut document = Document::new(&new, Limits::default()).unwrap();
-        let stripes = (0..64).map(|i| if i % 8 < 4 { Rgb::STONE } else { Rgb::new(1, 2, 3) });
-        document.learn_picture(uses::PICTURE.as_ref(), Texture::new(8, stripes.collect()).unwrap());
+        let mut document = uses::document(UVec3::splat(dims), solid);
         let at = |x: i32, y: i32, z: i32| {
             let IVec3 { x, y, z } = middle + IVec3::new(x, y, z);
             format!("{x},{y},{z}")
@@ -104,7 +92,7 @@ fn check(solid: bool, sites: Vec<Site>) {
         for (contents, first, uses, site) in &mut sites {
             let other = &uses[i];
             let there = site.document.apply(other).unwrap_or_else(|e| panic!("{other}: {e}")).stats;
-            // What a half space changes elsewhere depends on the canvas.
+            // Elsewhere, a half space changes more in a larger canvas.
             let is_bounded = !command.to_string().contains("half-space");
             if is_bounded {
                 assert_eq!(there.voxels_changed(), stats.voxels_changed(), "{other}; {command}");

@@ -1,16 +1,18 @@
 //! Uses of every tool, made from the descriptions. A solid, drawn solid or brush that is added to its list is included
 //! automatically.
 
-use glam::{EulerRot, Quat, Vec3};
-use sculpture_core::command::{Command, MaskArea, MaskChange};
-use sculpture_core::sculpture::Rgb;
+use glam::{EulerRot, Quat, UVec3, Vec3};
+use sculpture_core::command::{Command, MaskArea, MaskChange, NewSculpture};
+use sculpture_core::document::{Document, Limits};
 use sculpture_core::sculpture::edit::EditOp;
+use sculpture_core::sculpture::{ColourDepth, Rgb};
 use sculpture_core::tools::brush::footprint::{Coverage, Footprint, Outline};
 use sculpture_core::tools::brush::param::{Domain, Omitted, OptionValue, Param};
 use sculpture_core::tools::brush::spec::{BrushGroup, ContactKind};
 use sculpture_core::tools::brush::{BrushBall, BrushDirection, BrushId, BrushUse, Contact};
 use sculpture_core::tools::drawn::{DrawnSolid, FURTHEST_VX, SolidPose};
 use sculpture_core::tools::solid::{Primitive, Solid};
+use sculpture_core::tools::texture::Texture;
 
 /// Half extents of solids, in voxels.
 const HALF_VX: Vec3 = Vec3::new(7.0, 5.0, 6.0);
@@ -45,6 +47,23 @@ pub struct Place {
     pub eye_vx: Vec3,
     /// The direction of the rays.
     pub aim: Vec3,
+}
+
+/// Returns a document, full or empty, that knows the picture.
+pub fn document(dims: UVec3, solid: bool) -> Document {
+    let new = NewSculpture {
+        dims,
+        voxel_size: Vec3::ONE,
+        colour_depth: ColourDepth::Bits24,
+        base: Rgb::STONE,
+        solid,
+        room_vx: 0,
+        grows: false,
+    };
+    let mut document = Document::new(&new, Limits::default()).unwrap();
+    let stripes = (0..64).map(|i| if i % 8 < 4 { Rgb::STONE } else { Rgb::new(1, 2, 3) });
+    document.learn_picture(PICTURE.as_ref(), Texture::new(8, stripes.collect()).unwrap());
+    document
 }
 
 /// Returns the uses of all tools that may change voxels or the mask.

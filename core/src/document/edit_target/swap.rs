@@ -113,7 +113,6 @@ impl EditTarget {
         &mut self,
         record: BrickRecord,
     ) -> Result<BrickRecord, Box<(BrickRecord, CommandError)>> {
-        let bytes = record.reverse_bytes(&self.contents) + record.written_bytes(&self.contents);
         let changes = !record.is_empty();
         self.bits.forget();
         match record.try_swap(Arc::make_mut(&mut self.contents), &mut self.dirty) {
@@ -122,6 +121,8 @@ impl EditTarget {
                 Ok(reverse)
             }
             Err(record) => {
+                let contents = &*self.contents;
+                let bytes = record.reverse_bytes(contents) + record.written_bytes(contents);
                 Err(Box::new((*record, self.no_memory(NoMemory { bytes: bytes as u64 }))))
             }
         }

@@ -31,7 +31,7 @@ use rayon::prelude::*;
 use self::band::{Band, cells_at};
 use self::stale::StaleBricks;
 use super::NormalField;
-use super::normal_field::{PackedDepth, REACH_BRICKS};
+use super::normal_field::{PackedDepth, REACH_BRICKS, for_each_around, sort_from};
 use super::per_leaf::{PerBrick, PerLeaf};
 use crate::refusal::{MemoryBudget, OverBudget};
 use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, Brick, BrickKind, local_coords};
@@ -424,25 +424,11 @@ fn bricks_near_surface(grid: &Grid) -> Vec<(UVec3, Brick)> {
 
 /// Returns bricks and those within so many of them on every axis.
 fn around(grid: &Grid, bricks: impl Iterator<Item = UVec3>, reach: u32) -> BrickSet {
-    let last = grid.brick_dims() - 1;
     let mut around = BrickSet::default();
     for b in bricks {
-        let (low, high) = (b.saturating_sub(UVec3::splat(reach)), (b + reach).min(last));
-        for z in low.z..=high.z {
-            for y in low.y..=high.y {
-                (low.x..=high.x).for_each(|x| around.insert(UVec3::new(x, y, z)));
-            }
-        }
+        for_each_around(grid, b, reach, |b| around.insert(b));
     }
     around
-}
-
-/// Sorts a list from `first` on, and removes duplicates.
-fn sort_from(list: &mut Vec<u32>, first: usize) {
-    let mut own = list.split_off(first);
-    own.sort_unstable();
-    own.dedup();
-    list.append(&mut own);
 }
 
 /// Returns the level beyond the grid's border at a voxel with this level.

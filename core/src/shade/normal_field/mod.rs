@@ -29,7 +29,7 @@ pub use batch::Precision;
 use cache::CacheUse;
 pub use packed::{PackedDepth, PackedNormal, unpack_many};
 pub use pages::{NO_PAGE, PageRecords, PageUnit, Pages, SurfaceRecord};
-use seen::sort_from;
+pub(super) use seen::sort_from;
 pub use table::PageTable;
 
 use crate::sculpture::Grid;
@@ -330,7 +330,7 @@ impl NormalField {
 }
 
 /// Calls `f` with each brick of a grid within `reach` bricks of that at `b`, itself included.
-fn for_each_around(grid: &Grid, b: UVec3, reach: u32, mut f: impl FnMut(UVec3)) {
+pub(super) fn for_each_around(grid: &Grid, b: UVec3, reach: u32, mut f: impl FnMut(UVec3)) {
     let low = b.saturating_sub(UVec3::splat(reach));
     let high = (b + reach).min(grid.brick_dims() - 1);
     for z in low.z..=high.z {

@@ -249,7 +249,7 @@ impl NormalField {
 }
 
 /// Sorts `list` from `first` on, and removes duplicates.
-pub(super) fn sort_from(list: &mut Vec<u32>, first: usize) {
+pub(in crate::shade) fn sort_from(list: &mut Vec<u32>, first: usize) {
     let mut own = list.split_off(first);
     own.sort_unstable();
     own.dedup();
