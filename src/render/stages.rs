@@ -118,7 +118,8 @@ impl Stages {
             && desc.is_smooth(SmoothSurface::Always, document.contents(), software);
         let wish = self.wish(document, desc, wanted);
         let known = changes_known.then_some(self.normals.reshaded());
-        self.levels.update(document.grid(), self.normals.field(), known, &wish)?;
+        let edited = self.changed.as_slice();
+        self.levels.update(document.grid(), self.normals.field(), edited, known, &wish)?;
         self.normals.reshade(self.levels.changed());
         Ok(self.levels.state())
     }
@@ -135,13 +136,15 @@ impl Stages {
     }
 
     fn wish(&mut self, document: &Document, desc: &FrameDesc, wanted: bool) -> LevelWish {
-        let has_normals = self.normals.field().is_complete();
+        // The CPU computes those that pictures show.
+        let on_device = desc.mode.shades_on_device();
+        let has_normals = !on_device || self.normals.field().is_complete();
         if wanted && !has_normals {
             self.levels.refuse(&"its normals take more memory than grids may");
         }
         let wanted = wanted && has_normals;
         let budget_bytes = document.limits().grid_bytes;
-        let device = desc.mode.shades_on_device().then(|| self.device.clone());
+        let device = on_device.then(|| self.device.clone());
         LevelWish { wanted, device, budget_bytes, patience: self.normals.patience }
     }
 
