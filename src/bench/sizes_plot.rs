@@ -12,6 +12,8 @@ const LEFT: f64 = 70.0;
 const RIGHT: f64 = 190.0;
 const TOP: f64 = 64.0;
 const BOTTOM: f64 = 50.0;
+/// Shorter times are shown as this.
+const LEAST_MS: f64 = 1e-4;
 
 /// A measured time.
 type SizeTime = fn(&SizeReport) -> Option<Times>;
@@ -24,37 +26,82 @@ const CURVES: [(&str, SizeTime); 5] = [
     ("save", |size| size.save),
 ];
 
+/// The places of edges and times in the plot.
+struct Axes {
+    /// Logarithms of the first and the last edge, to base 2, and of the least and the most milliseconds, to base 10.
+    edges: [f64; 2],
+    decades: [f64; 2],
+}
+
+impl Axes {
+    /// Returns axes for all sizes, and for the times of those `shown`.
+    fn of(report: &SizesReport, shown: &[&SizeReport]) -> Axes {
+        let times =
+            shown.iter().flat_map(|size| CURVES.iter().filter_map(move |(_, time)| time(size)));
+        let (least, most) = times
+            .map(|times| times.median_ms.max(LEAST_MS))
+            .fold((f64::INFINITY, 0f64), |(least, most), ms| (least.min(ms), most.max(ms)));
+        let low = if least <= most { least.log10().floor() } else { 0.0 };
+        let edges = || report.sizes.iter().map(|size| f64::from(size.edge_vx).log2());
+        Axes {
+            edges: [edges().fold(f64::INFINITY, f64::min), edges().fold(0.0, f64::max)],
+            decades: [low, most.max(LEAST_MS).log10().ceil().max(low + 1.0)],
+        }
+    }
+
+    fn x(&self, edge: u32) -> f64 {
+        let [first, last] = self.edges;
+        let share = (f64::from(edge).log2() - first) / (last - first).max(1.0);
+        LEFT + share * (WIDTH - LEFT - RIGHT)
+    }
+
+    fn y(&self, ms: f64) -> f64 {
+        let [low, high] = self.decades;
+        let share = (ms.max(LEAST_MS).log10() - low) / (high - low);
+        HEIGHT - BOTTOM - share * (HEIGHT - TOP - BOTTOM)
+    }
+
+    /// Returns the lines and numbers of both axes.
+    fn svg(&self, report: &SizesReport) -> String {
+        let mut out = String::new();
+        // Writing to a string cannot fail.
+        for decade in self.decades[0] as i32..=self.decades[1] as i32 {
+            let ms = 10f64.powi(decade);
+            let at = self.y(ms);
+            let _ = write!(
+                out,
+                "<line x1=\"{LEFT}\" x2=\"{:.1}\" y1=\"{at:.1}\" y2=\"{at:.1}\" stroke=\"#ddd\"/>\n\
+                 <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\" fill=\"#555\">{ms}</text>\n",
+                WIDTH - RIGHT,
+                LEFT - 8.0,
+                at + 4.0,
+            );
+        }
+        let mut known: Vec<u32> = report.sizes.iter().map(|size| size.edge_vx).collect();
+        known.dedup();
+        for edge in known {
+            let _ = writeln!(
+                out,
+                "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\" fill=\"#555\">{edge}</text>",
+                self.x(edge),
+                HEIGHT - BOTTOM + 22.0,
+            );
+        }
+        out
+    }
+}
+
 /// Returns a plot of the median times of each shape that was measured in several sizes.
 pub fn svg(report: &SizesReport) -> String {
     let mut shapes: Vec<&str> = report.sizes.iter().map(|size| size.shape.as_str()).collect();
-    shapes.dedup();
     shapes.sort_unstable();
     shapes.dedup();
     let of = |shape: &str| -> Vec<&SizeReport> {
         report.sizes.iter().filter(|size| size.shape == shape).collect()
     };
     shapes.retain(|shape| of(shape).len() > 1);
-    let times = || {
-        let shown = report.sizes.iter().filter(|size| shapes.contains(&size.shape.as_str()));
-        shown.flat_map(|size| CURVES.iter().filter_map(move |(_, time)| time(size)))
-    };
-    let (least, most) = times()
-        .map(|times| times.median_ms.max(1e-4))
-        .fold((f64::INFINITY, 0f64), |(least, most), ms| (least.min(ms), most.max(ms)));
-    let (low, high) = match least <= most {
-        true => (least.log10().floor(), most.log10().ceil().max(least.log10().floor() + 1.0)),
-        false => (0.0, 1.0),
-    };
-    let edges = || report.sizes.iter().map(|size| f64::from(size.edge_vx).log2());
-    let (first, last) = (edges().fold(f64::INFINITY, f64::min), edges().fold(0.0, f64::max));
-    let x = |edge: u32| {
-        let share = (f64::from(edge).log2() - first) / (last - first).max(1.0);
-        LEFT + share * (WIDTH - LEFT - RIGHT)
-    };
-    let y = |ms: f64| {
-        let share = (ms.max(1e-4).log10() - low) / (high - low);
-        HEIGHT - BOTTOM - share * (HEIGHT - TOP - BOTTOM)
-    };
+    let shown: Vec<&SizeReport> = shapes.iter().flat_map(|shape| of(shape)).collect();
+    let axes = Axes::of(report, &shown);
     let mut out = String::new();
     // Writing to a string cannot fail.
     let _ = write!(
@@ -68,27 +115,7 @@ pub fn svg(report: &SizesReport) -> String {
         report.picture[0],
         report.picture[1],
     );
-    for decade in low as i32..=high as i32 {
-        let (ms, at) = (10f64.powi(decade), y(10f64.powi(decade)));
-        let _ = write!(
-            out,
-            "<line x1=\"{LEFT}\" x2=\"{:.1}\" y1=\"{at:.1}\" y2=\"{at:.1}\" stroke=\"#ddd\"/>\n\
-             <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\" fill=\"#555\">{ms}</text>\n",
-            WIDTH - RIGHT,
-            LEFT - 8.0,
-            at + 4.0,
-        );
-    }
-    let mut known: Vec<u32> = report.sizes.iter().map(|size| size.edge_vx).collect();
-    known.dedup();
-    for edge in known {
-        let _ = writeln!(
-            out,
-            "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\" fill=\"#555\">{edge}</text>",
-            x(edge),
-            HEIGHT - BOTTOM + 22.0,
-        );
-    }
+    out += &axes.svg(report);
     let mut line = 0;
     for (number, shape) in shapes.iter().enumerate() {
         // The first shape has solid lines, the others dashed ones.
@@ -96,7 +123,7 @@ pub fn svg(report: &SizesReport) -> String {
         for ((name, time), colour) in CURVES.iter().zip(COLOURS) {
             let points: Vec<String> = of(shape)
                 .into_iter()
-                .filter_map(|size| Some((x(size.edge_vx), y(time(size)?.median_ms))))
+                .filter_map(|size| Some((axes.x(size.edge_vx), axes.y(time(size)?.median_ms))))
                 .map(|(x, y)| format!("{x:.1},{y:.1}"))
                 .collect();
             let (key, right) = (TOP + 20.0 * f64::from(line), WIDTH - RIGHT + 14.0);

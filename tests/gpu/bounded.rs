@@ -95,7 +95,8 @@ fn a_resting_picture_has_all_its_normals_however_little_memory_they_may_take() {
             let mut reference = Window::new(device, None);
             let mut counts = Vec::new();
             for side in sides {
-                let eyes = [Camera::framing(110.0, side, Vec3::Y).eye(UVec2::new(120, 90))];
+                // Less than three voxels a pixel, so that all normals are refined.
+                let eyes = [Camera::framing(110.0, side, Vec3::Y).eye(UVec2::new(240, 180))];
                 let desc = desc(mode, &eyes);
                 let (expected, _) = reference.rest(&mut whole, &desc);
                 let (found, frames) = window.rest(&mut bounded, &desc);

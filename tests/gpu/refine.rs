@@ -295,30 +295,33 @@ fn a_resting_picture_becomes_smooth() {
     });
 }
 
+/// The memory of grids in a document that has none to spare for a smooth surface.
+const NARROW_BYTES: u64 = 64;
+
 /// Returns a grid of this size with some voxels in its lowest corner, and the eye and the pose that show them.
-fn corner_of(dims: UVec3) -> (Document, Eye, Affine3A) {
+fn corner_of(dims: UVec3, grid_bytes: u64) -> (Document, Eye, Affine3A) {
     let mut grid = Grid::of_size(dims, Vec3::ONE).unwrap();
     for i in 0..60 {
         grid.set(IVec3::new(i % 8, i / 2 % 8, i / 8), true);
     }
     let material = Material::for_grid(&grid, ColourDepth::None, Rgb::new(200, 180, 160));
-    let document = Document::from_contents(Contents::new(grid, material), Limits::default());
+    let limits = Limits { grid_bytes, ..Limits::default() };
+    let document = Document::from_contents(Contents::new(grid, material), limits);
     let eye = Camera::framing(8.0, Vec3::new(0.3, 0.5, 1.0), Vec3::Y).eye(SIZE);
     (document, eye, Affine3A::from_translation(Vec3::splat(-4.0)))
 }
 
-/// The smooth surface of a very large grid would take more memory than is allowed; a device cannot name its cells, of
-/// which there is one more on each axis than of voxels.
+/// The smooth surface would take more memory than is allowed; or a device cannot name its cells, of which there is one
+/// more on each axis than of voxels.
 #[test]
 fn a_grid_too_large_for_the_smooth_surface_shows_its_voxels() {
     with_device(|device| {
-        let most = UVec3::new(MAX_AXIS_VX, MAX_AXIS_VX, 512);
-        let long = UVec3::new(4096, 1024, 1023);
+        let (long, default) = (UVec3::new(4096, 1024, 1023), Limits::default().grid_bytes);
         // Some devices have no images of this length, so that all modes cast rays.
-        let fits = Volume::new(device, corner_of(long).0.grid()).is_ok();
-        let on_device = fits.then_some((long, RenderMode::MarchGpu));
-        for (dims, mode) in [(most, RenderMode::Ray)].into_iter().chain(on_device) {
-            let (mut document, eye, at) = corner_of(dims);
+        let fits = Volume::new(device, corner_of(long, default).0.grid()).is_ok();
+        let on_device = fits.then_some((default, RenderMode::MarchGpu));
+        for (bytes, mode) in [(NARROW_BYTES, RenderMode::Ray)].into_iter().chain(on_device) {
+            let (mut document, eye, at) = corner_of(long, bytes);
             let near = [eye];
             let voxels = FrameDesc { world_from_grid: at, ..desc(mode, &near) };
             let expected = mean(device, FORMAT, &mut document, &voxels);
@@ -336,15 +339,17 @@ fn a_grid_too_large_for_the_smooth_surface_shows_its_voxels() {
 #[test]
 fn the_longest_grids_are_refined_to_their_smooth_surface() {
     with_device(|device| {
-        let (mut document, eye, at) = corner_of(UVec3::new(4096, 1024, 1023));
-        let near = [eye];
-        let voxels = FrameDesc { world_from_grid: at, ..desc(RenderMode::Ray, &near) };
-        let at_rest = FrameDesc { smooth_surface: SmoothSurface::AtRest, ..voxels };
-        let (first, refined) = Painter::refining(device).rest(&mut document, &at_rest);
-        let differing = first[0].rgba.iter().zip(&refined[0].rgba).filter(|(a, b)| a != b);
-        assert!(differing.count() > 500);
-        let always = FrameDesc { smooth_surface: SmoothSurface::Always, ..voxels };
-        assert_near("always", &refined, &mean(device, FORMAT, &mut document, &always));
+        for dims in [UVec3::new(4096, 1024, 1023), UVec3::new(MAX_AXIS_VX, MAX_AXIS_VX, 512)] {
+            let (mut document, eye, at) = corner_of(dims, Limits::default().grid_bytes);
+            let near = [eye];
+            let voxels = FrameDesc { world_from_grid: at, ..desc(RenderMode::Ray, &near) };
+            let at_rest = FrameDesc { smooth_surface: SmoothSurface::AtRest, ..voxels };
+            let (first, refined) = Painter::refining(device).rest(&mut document, &at_rest);
+            let differing = first[0].rgba.iter().zip(&refined[0].rgba).filter(|(a, b)| a != b);
+            assert!(differing.count() > 500, "{dims}");
+            let always = FrameDesc { smooth_surface: SmoothSurface::Always, ..voxels };
+            assert_near("always", &refined, &mean(device, FORMAT, &mut document, &always));
+        }
     });
 }
 

@@ -13,7 +13,7 @@ use super::uses::{self, Place};
 const MIDDLE: i32 = 48;
 const EDGE: u32 = 96;
 /// All that tools change lies within this distance of the middle.
-const REACH: i32 = 40;
+const REACH: i32 = 32;
 
 /// The same scene somewhere in a canvas.
 struct Site {
@@ -88,9 +88,11 @@ fn check(solid: bool, sites: Vec<Site>) {
     let mut small = Site::new(EDGE, IVec3::splat(MIDDLE), solid, &[]);
     let before = small.around();
     let start = small.counts();
-    let mut sites: Vec<_> =
-        sites.into_iter().map(|site| (site.counts(), site.uses(), site)).collect();
-    for (_, _, site) in &sites {
+    let mut sites: Vec<_> = sites
+        .into_iter()
+        .map(|site| (site.document.contents().clone(), site.counts(), site.uses(), site))
+        .collect();
+    for (_, _, _, site) in &sites {
         assert!(site.around() == before, "the same scene at {}", site.middle);
     }
     let mut changed = 0;
@@ -99,10 +101,14 @@ fn check(solid: bool, sites: Vec<Site>) {
             small.document.apply(command).unwrap_or_else(|e| panic!("{command}: {e}")).stats;
         let (after, counts) = (small.around(), small.counts());
         changed += usize::from(stats.voxels_changed() > 0);
-        for (first, uses, site) in &mut sites {
+        for (contents, first, uses, site) in &mut sites {
             let other = &uses[i];
             let there = site.document.apply(other).unwrap_or_else(|e| panic!("{other}: {e}")).stats;
-            assert_eq!(there.voxels_changed(), stats.voxels_changed(), "{other}; {command}");
+            // What a half space changes elsewhere depends on the canvas.
+            let is_bounded = !command.to_string().contains("half-space");
+            if is_bounded {
+                assert_eq!(there.voxels_changed(), stats.voxels_changed(), "{other}; {command}");
+            }
             if stats.voxels_changed() == 0 {
                 continue;
             }
@@ -112,9 +118,12 @@ fn check(solid: bool, sites: Vec<Site>) {
             let differences = |now: [u64; 2], first: [u64; 2]| {
                 [0, 1].map(|kind| now[kind].wrapping_sub(first[kind]))
             };
-            assert_eq!(differences(site.counts(), *first), differences(counts, start), "{other}");
+            if is_bounded {
+                let expected = differences(counts, start);
+                assert_eq!(differences(site.counts(), *first), expected, "{other}");
+            }
             site.document.apply(&"undo".parse().unwrap()).unwrap();
-            assert!(site.counts() == *first && site.around() == before, "undo {other}");
+            assert!(site.document.contents() == contents, "undo {other}");
         }
         if stats.voxels_changed() > 0 {
             small.document.apply(&"undo".parse().unwrap()).unwrap();

@@ -305,7 +305,7 @@ mod tests {
     use crate::scenes::Random;
 
     fn units_in_use(mask: &SurfaceMask) -> usize {
-        if mask.count() == 0 { 0 } else { units_for(mask.count() as usize) }
+        if mask.count() == 0 { 0 } else { units_for(mask.count()) }
     }
 
     /// Random pages, replaced and freed, always return the values stored last, and freed memory is reused. A copy that
