@@ -75,7 +75,8 @@ impl NormalStage {
             // Maps of another sculpture have other bricks.
             let has_maps = changed.is_some() && patience.is_some() && !stays;
             if has_maps && self.field.follows_pictures() {
-                let maps = maps.iter().map(|map| &**map);
+                // Maps that stay on the device are empty here.
+                let maps = maps.iter().map(|map| &**map).filter(|map| !map.voxels.is_empty());
                 self.field.complete_seen(grid, maps, &mut self.reshaded, &mut go_on);
             }
             self.field.update(grid, &mut self.reshaded, &mut go_on);
