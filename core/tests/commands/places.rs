@@ -104,7 +104,7 @@ fn check(solid: bool, sites: Vec<Site>) {
         for (contents, first, uses, site) in &mut sites {
             let other = &uses[i];
             let there = site.document.apply(other).unwrap_or_else(|e| panic!("{other}: {e}")).stats;
-            // What a half space changes elsewhere depends on the canvas.
+            // Elsewhere, a half space changes more in a larger canvas.
             let is_bounded = !command.to_string().contains("half-space");
             if is_bounded {
                 assert_eq!(there.voxels_changed(), stats.voxels_changed(), "{other}; {command}");
