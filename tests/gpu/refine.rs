@@ -28,14 +28,14 @@ const SAMPLES: u32 = 5;
 /// The frames within which a resting picture is to be complete.
 const MOST_FRAMES: usize = 20;
 
-struct Painter {
-    renderer: Renderer,
+pub struct Painter {
+    pub renderer: Renderer,
     frames: Frames,
 }
 
 impl Painter {
     /// That does not refine.
-    fn new(device: &Arc<Device>, format: vk::Format) -> Painter {
+    pub fn new(device: &Arc<Device>, format: vk::Format) -> Painter {
         let renderer = Renderer::new(device, format).unwrap();
         Painter { renderer, frames: Frames::new(device).unwrap() }
     }
@@ -46,7 +46,11 @@ impl Painter {
         painter
     }
 
-    fn paint(&mut self, document: &mut Document, desc: &FrameDesc) -> (FrameReport, Vec<Pixels>) {
+    pub fn paint(
+        &mut self,
+        document: &mut Document,
+        desc: &FrameDesc,
+    ) -> (FrameReport, Vec<Pixels>) {
         let mut recorder = self.frames.begin().unwrap();
         let slot = self.frames.slot();
         let report = self
@@ -115,7 +119,7 @@ fn preview(at: Vec3) -> ToolPreview {
     ToolPreview { primitive, voxel_size: Vec3::ONE, colour, opacity: [0.5, 0.2] }
 }
 
-fn desc<'a>(mode: RenderMode, eyes: &'a [Eye]) -> FrameDesc<'a> {
+pub fn desc<'a>(mode: RenderMode, eyes: &'a [Eye]) -> FrameDesc<'a> {
     let grey = Vec3::splat(0.2);
     FrameDesc {
         eyes,
