@@ -1,9 +1,9 @@
 //! The smooth surface of a renderer's pictures: when it is drawn, its changes, and the device's copy.
 //!
 //! Follows the grid and the normals of one document. The surface between voxels is drawn where a voxel covers more than
-//! a pixel of any picture; farther away it would be invisible. It is computed when it is first drawn: for an opened
-//! sculpture in portions, while pictures show the voxels. Modes that shade on the device find it there, all others on
-//! the CPU. A sculpture that is too large for it shows its voxels.
+//! a pixel of any picture; farther away it would be invisible. Modes that shade on the device find it there, once all of
+//! it is computed: for an opened sculpture in portions, while pictures show the voxels. On the CPU, pictures compute
+//! what they show. A sculpture that is too large for it shows its voxels.
 
 use std::fmt::Display;
 use std::sync::Arc;
@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 use super::{IndexTarget, LevelMarch, LevelTask, Levels, MAX_EYES, Normals};
 use crate::gpu::{Device, GpuError, Recorder, Result};
 use crate::sculpture::Grid;
+use crate::sculpture::brick_set::{BrickSet, for_each_in};
 use crate::shade::{LevelSampler, LevelSet, NormalField};
 use crate::surface::{IndexMap, PixelRect, PixelRects, changed_pixels, pixels_of_grid};
 use crate::view::PixelRays;
@@ -54,17 +55,23 @@ pub(super) struct LevelStage {
 }
 
 impl LevelStage {
-    /// Updates the surface for a picture of `grid`, if the picture shows it. `reshaded`: the bricks that have changed,
-    /// or have other normals, since the last call; `None`: all may have.
+    /// Updates the surface for a picture of `grid`, if the picture shows it. `edited`: the bricks that have changed since
+    /// the last call; `reshaded`: those, and the bricks with other normals; `None`: all may have.
     pub fn update(
         &mut self,
         grid: &Grid,
         normals: &NormalField,
+        edited: &[u32],
         reshaded: Option<&[u32]>,
         wish: &LevelWish,
     ) -> Result<()> {
+        let mut followed = BrickSet::default();
         match (reshaded, &mut self.levels) {
-            (Some(changed), Some(levels)) if levels.fits(grid) => levels.follow(grid, changed),
+            (Some(changed), Some(levels)) if levels.fits(grid) => {
+                // Normals of bricks out of sight may follow later.
+                levels.follow_edits(grid, edited);
+                followed = levels.follow(grid, changed);
+            }
             _ => self.forget(),
         }
         if reshaded.is_none() {
@@ -74,6 +81,13 @@ impl LevelStage {
         if let (true, Some(reshaded)) = (self.active, reshaded) {
             // Between voxels, normals may differ where levels do not.
             self.changed.extend_from_slice(reshaded);
+            if wish.device.is_none() {
+                // Which of them differ is found out when they are seen.
+                for (leaf, bricks) in followed.leaves() {
+                    let changed = &mut self.changed;
+                    for_each_in(leaf, &bricks, |b| changed.push(grid.brick_index(b) as u32));
+                }
+            }
             self.changed.sort_unstable();
             self.changed.dedup();
         }
@@ -95,13 +109,14 @@ impl LevelStage {
         if !wish.wanted || self.given_up {
             return Ok(());
         }
-        if !normals.is_complete() {
-            // It is wanted once pictures have all normals that they show: there is no memory for the others.
+        if wish.device.is_some() && !normals.is_complete() {
+            // It is wanted once pictures have all normals that they show: there is no memory for the others. The CPU computes
+            // those that it needs.
             self.give_up(&"its normals take more memory than grids may");
             return Ok(());
         }
         if self.levels.is_none() {
-            match LevelSet::whole(grid, wish.budget_bytes) {
+            match LevelSet::new(grid, wish.budget_bytes) {
                 Ok(levels) => self.levels = Some(levels),
                 Err(reason) => {
                     self.give_up(&reason);
@@ -110,7 +125,9 @@ impl LevelStage {
             }
         }
         match self.complete(grid, normals, wish) {
-            Ok(complete) => (self.active, self.pending) = (complete, !complete),
+            Ok(complete) => {
+                (self.active, self.pending) = (complete, !complete && !self.given_up);
+            }
             Err(reason @ (GpuError::Limit { .. } | GpuError::OutOfMemory(_))) => {
                 self.give_up(&reason);
             }
@@ -125,9 +142,14 @@ impl LevelStage {
         self.given_up = true;
     }
 
-    /// Computes all outstanding parts, on the device, too. Returns whether it is finished.
+    /// Computes all outstanding parts for the device, and there. Returns whether it is finished.
     fn complete(&mut self, grid: &Grid, normals: &NormalField, wish: &LevelWish) -> Result<bool> {
         let Some(levels) = &mut self.levels else { return Ok(false) };
+        let Some(device) = &wish.device else { return Ok(true) };
+        if let Err(reason) = levels.check_whole(grid, wish.budget_bytes) {
+            self.give_up(&reason);
+            return Ok(false);
+        }
         let start = Instant::now();
         let patience = wish.patience.filter(|_| !self.was_complete);
         levels.update_while(grid, normals, &mut self.changed, || {
@@ -137,13 +159,11 @@ impl LevelStage {
             return Ok(false);
         }
         self.was_complete = true;
-        if let Some(device) = &wish.device {
-            let copy = self.copy.as_mut();
-            if !copy.is_some_and(|copy| copy.follow(grid, levels, &self.changed)) {
-                // Drops the old one first, since both may not fit.
-                self.copy = None;
-                self.copy = Some(Levels::new(device, grid, levels)?);
-            }
+        let copy = self.copy.as_mut();
+        if !copy.is_some_and(|copy| copy.follow(grid, levels, &self.changed)) {
+            // Drops the old one first, since both may not fit.
+            self.copy = None;
+            self.copy = Some(Levels::new(device, grid, levels)?);
         }
         Ok(true)
     }
@@ -173,11 +193,11 @@ impl LevelStage {
     /// ([`super::FrameDesc::sample`]).
     pub fn surface<'a>(
         &'a mut self,
-        normals: &'a NormalField,
+        normals: &'a mut NormalField,
         sample: u32,
     ) -> Option<SampledLevels<'a>> {
         let is_on_device = self.is_on_device();
-        let levels = self.levels.as_ref().filter(|_| self.active)?;
+        let levels = self.levels.as_mut().filter(|_| self.active)?;
         self.sampler.sample = sample;
         let (changed, sampler) = (self.changed.as_slice(), &mut self.sampler);
         Some(SampledLevels { levels, normals, changed, sampler, is_on_device })
@@ -226,8 +246,8 @@ impl LevelStage {
 
 /// The smooth surface, ready to be sampled.
 pub(super) struct SampledLevels<'a> {
-    levels: &'a LevelSet,
-    normals: &'a NormalField,
+    levels: &'a mut LevelSet,
+    normals: &'a mut NormalField,
     changed: &'a [u32],
     sampler: &'a mut LevelSampler,
     is_on_device: bool,
@@ -244,9 +264,17 @@ impl SampledLevels<'_> {
         pixels_of_grid(self.levels.cells(), &LevelSet::rays_of_cells(rays))
     }
 
-    /// Samples the pixels of `rect` of a map that has its rays.
-    pub fn sample_rect(&mut self, grid: &Grid, rect: PixelRect, map: &mut IndexMap) {
-        self.sampler.sample_rect(grid, self.normals, self.levels, rect, map);
+    /// Samples the pixels of `rect` of a map that has its rays, for as long as `goes_on` returns true. Returns whether
+    /// they are all sampled; if not, the next call has less to do.
+    pub fn sample_rect(
+        &mut self,
+        grid: &Grid,
+        rect: PixelRect,
+        map: &mut IndexMap,
+        goes_on: &mut dyn FnMut() -> bool,
+    ) -> bool {
+        let surface = (&mut *self.normals, &mut *self.levels);
+        self.sampler.complete_rect(grid, surface, rect, map, goes_on)
     }
 
     /// Samples `map` with `rays`, or only the changes since it was sampled with them; in that case returns the pixels.
@@ -258,12 +286,13 @@ impl SampledLevels<'_> {
         map: &mut IndexMap,
     ) -> Option<PixelRects> {
         if !partially {
-            self.sampler.sample(grid, self.normals, self.levels, rays, map);
+            let surface = (&mut *self.normals, &mut *self.levels);
+            self.sampler.sample_completing(grid, surface, rays, map);
             return None;
         }
         let rects = changed_levels(grid, self.changed, rays);
         for rect in rects.as_slice() {
-            self.sample_rect(grid, *rect, map);
+            self.sample_rect(grid, *rect, map, &mut || true);
         }
         Some(rects)
     }

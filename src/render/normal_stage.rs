@@ -180,6 +180,11 @@ impl NormalStage {
         &self.field
     }
 
+    /// Returns the field, for computing normals that are outstanding.
+    pub fn field_mut(&mut self) -> &mut NormalField {
+        &mut self.field
+    }
+
     /// Returns the bricks to shade again.
     pub fn reshaded(&self) -> &[u32] {
         &self.reshaded

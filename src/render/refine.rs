@@ -6,6 +6,7 @@
 //! picture counts as resting; the redraw plan detects that it is unchanged.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use super::frame_cache::Redraw;
 use super::frame_desc::FrameDesc;
@@ -161,6 +162,7 @@ impl Renderer {
         let to = (from + (SMOOTH_PIXELS / width).max(1))
             .min((from / height.max(1) + 1) * height)
             .min(all);
+        let mut is_found = true;
         if from < to {
             let (i, rows) = ((from / height) as usize, from % height..from % height + (to - from));
             self.cpu.resize_maps(desc.eyes.len());
@@ -175,14 +177,20 @@ impl Renderer {
                 stages.march_to_surface(recorder, slot, document, sampler, &cpu.maps)?;
             } else {
                 let Stages { levels, normals, .. } = &mut self.stages;
-                if let Some(mut smooth) = levels.surface(normals.field(), desc.sample) {
+                let (start, patience) = (Instant::now(), normals.patience);
+                let mut goes_on = || patience.is_none_or(|patience| start.elapsed() < patience);
+                if let Some(mut smooth) = levels.surface(normals.field_mut(), desc.sample) {
                     let map = Arc::make_mut(&mut self.cpu.maps[i]);
-                    self.passes.sampler.sample_rows(document.grid(), &rows, &mut smooth, map);
+                    let sampler = &mut self.passes.sampler;
+                    is_found =
+                        sampler.sample_rows(document.grid(), &rows, &mut smooth, map, &mut goes_on);
                 }
             }
         }
-        self.stages.refinement.rows = to;
-        Ok(to == all)
+        if is_found {
+            self.stages.refinement.rows = to;
+        }
+        Ok(is_found && to == all)
     }
 
     /// Makes a sample in the present buffers, whose maps may have been sampled already, and then the mean.

@@ -220,7 +220,7 @@ impl Renderer {
             mask: desc.mask_shown(document),
             changed: (redraw == Redraw::Changed).then_some(stages.changed.as_slice()),
         };
-        let smooth = stages.levels.surface(stages.normals.field(), desc.sample);
+        let smooth = stages.levels.surface(stages.normals.field_mut(), desc.sample);
         let result = sampler.sample(document, &request, smooth, maps);
         if result.is_err() {
             sampler.forget_copy();

@@ -265,14 +265,16 @@ impl Sampler {
         part: &EyeRows,
         smooth: &mut SampledLevels,
         map: &mut IndexMap,
-    ) {
+        goes_on: &mut dyn FnMut() -> bool,
+    ) -> bool {
         if part.rows.start == 0 {
             map.reset_with_normals(grid.dims(), part.rays);
         }
-        smooth.sample_rect(grid, part.rect(), map);
+        let is_sampled = smooth.sample_rect(grid, part.rect(), map, goes_on);
         (self.visible[part.eye], self.pending[part.eye]) =
             (smooth.visible(&part.rays), PendingUpload::All);
         (self.device_ms, self.read_back_ms) = (None, None);
+        is_sampled
     }
 
     fn sample_on_device(

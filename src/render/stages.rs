@@ -118,7 +118,8 @@ impl Stages {
             && desc.is_smooth(SmoothSurface::Always, document.contents(), software);
         let wish = self.wish(document, desc, wanted);
         let known = changes_known.then_some(self.normals.reshaded());
-        self.levels.update(document.grid(), self.normals.field(), known, &wish)?;
+        let edited = self.changed.as_slice();
+        self.levels.update(document.grid(), self.normals.field(), edited, known, &wish)?;
         self.normals.reshade(self.levels.changed());
         Ok(self.levels.state())
     }

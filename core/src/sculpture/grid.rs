@@ -52,7 +52,7 @@ pub(crate) use parts::{
     GridPart, NodeView, box_mask, bricks_beside_empty, for_each_part, indices, surface_leaves,
     uniform_in,
 };
-pub(in crate::sculpture) use reframe::reframed;
+pub(in crate::sculpture) use reframe::{reframed, source_of};
 pub(crate) use spans::BrickSpans;
 
 pub use walls::voxels_at_walls;

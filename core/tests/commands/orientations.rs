@@ -77,62 +77,87 @@ fn grid_with(new: &NewSculpture, symmetry: Symmetry, op: EditOp, primitive: Prim
     document.grid().clone()
 }
 
+/// The voxels around a grid among which the images of its voxels lie.
+const MARGIN: i32 = 2;
+
 #[test]
 fn solids_and_their_mirror_images_equal_whole_numbers_in_all_48_orientations() {
     let dims = UVec3::new(21, 24, 19);
+    let table_dims = dims + 2 * MARGIN as u32;
     let symmetries = (0..27).map(|i| {
         let parity = |i: u32| [None, Some(Parity::Even), Some(Parity::Odd)][i as usize % 3];
         Symmetry::of_axes([parity(i), parity(i / 3), parity(i / 9)])
     });
-    for symmetry in symmetries {
-        for (i, (map, rotation)) in turns().into_iter().enumerate() {
-            let voxel_size = [Vec3::ONE, Vec3::new(1.0, 1.5, 2.0)][i % 2];
-            for solid in Solid::ALL {
-                let primitive = Primitive {
-                    solid,
-                    centre_vx: Vec3::new(7.13, 9.31, 6.22),
-                    half: Vec3::new(3.3, 5.21, 7.47),
-                    rotation,
-                };
-                let (filled, op) = match i % 3 {
-                    0 => (true, EditOp::Subtract),
-                    _ => (false, EditOp::Add(None)),
-                };
-                let new = NewSculpture {
-                    dims,
-                    voxel_size,
-                    colour_depth: ColourDepth::None,
-                    base: Rgb::STONE,
-                    solid: filled,
-                    room_vx: 0,
-                    grows: false,
-                };
-                let grid = grid_with(&new, symmetry, op, primitive);
-                let planes = symmetry.axes.map(|parity| match parity {
-                    Some(Parity::Odd) => 0.5,
-                    _ => 0.0,
-                });
-                let middle = (dims / 2).as_dvec3() + DVec3::from(planes);
-                let images = (0..8u32).filter(|image| {
-                    (0..3).all(|axis| image >> axis & 1 == 0 || symmetry.axes[axis].is_some())
-                });
-                let images: Vec<u32> = images.collect();
-                for voxel in 0..dims.element_product() {
-                    let v = grid.voxel_coords(voxel).as_ivec3();
-                    let at = v.as_dvec3() + 0.5;
-                    let covered = images.iter().any(|image| {
-                        let mut own = at;
-                        for axis in 0..3 {
-                            if image >> axis & 1 != 0 {
-                                own[axis] = 2.0 * middle[axis] - own[axis];
-                            }
-                        }
-                        covers(&primitive, &map, voxel_size, own)
-                    });
-                    assert_eq!(grid.get(v), covered != filled, "{v} {symmetry:?} {primitive:?}");
-                }
+    let symmetries: Vec<Symmetry> = symmetries.collect();
+    for (i, (map, rotation)) in turns().into_iter().enumerate() {
+        let voxel_size = [Vec3::ONE, Vec3::new(1.0, 1.5, 2.0)][i % 2];
+        for solid in Solid::ALL {
+            let primitive = Primitive {
+                solid,
+                centre_vx: Vec3::new(7.13, 9.31, 6.22),
+                half: Vec3::new(3.3, 5.21, 7.47),
+                rotation,
+            };
+            let (filled, op) = match i % 3 {
+                0 => (true, EditOp::Subtract),
+                _ => (false, EditOp::Add(None)),
+            };
+            let new = NewSculpture {
+                dims,
+                voxel_size,
+                colour_depth: ColourDepth::None,
+                base: Rgb::STONE,
+                solid: filled,
+                room_vx: 0,
+                grows: false,
+            };
+            let covered = (0..table_dims.element_product()).map(|index| {
+                let v = UVec3::new(
+                    index % table_dims.x,
+                    index / table_dims.x % table_dims.y,
+                    index / (table_dims.x * table_dims.y),
+                );
+                covers(&primitive, &map, voxel_size, v.as_dvec3() + 0.5 - f64::from(MARGIN))
+            });
+            let covered: Vec<bool> = covered.collect();
+            let is_covered = |v: IVec3| {
+                let [x, y, z] = (v + MARGIN).as_uvec3().to_array();
+                covered[(x + table_dims.x * (y + table_dims.y * z)) as usize]
+            };
+            for symmetry in &symmetries {
+                let grid = grid_with(&new, *symmetry, op, primitive);
+                assert_voxels(&grid, symmetry, filled, &is_covered, &primitive);
             }
         }
+    }
+}
+
+/// Asserts that the voxels are those which differ from `filled` where they or one of their mirror images are covered.
+fn assert_voxels(
+    grid: &Grid,
+    symmetry: &Symmetry,
+    filled: bool,
+    is_covered: &dyn Fn(IVec3) -> bool,
+    primitive: &Primitive,
+) {
+    // The place of each plane, times two.
+    let planes = [0, 1, 2].map(|axis| {
+        let odd = i32::from(symmetry.axes[axis] == Some(Parity::Odd));
+        2 * (grid.dims()[axis] as i32 / 2) + odd
+    });
+    let has_image =
+        |image: &u32| (0..3).all(|axis| image >> axis & 1 == 0 || symmetry.axes[axis].is_some());
+    let images: Vec<u32> = (0..8).filter(has_image).collect();
+    for voxel in 0..grid.dims().element_product() {
+        let v = grid.voxel_coords(voxel).as_ivec3();
+        let covered = images.iter().any(|image| {
+            let mirrored = |axis: usize| match image >> axis & 1 {
+                0 => v[axis],
+                _ => planes[axis] - 1 - v[axis],
+            };
+            is_covered(IVec3::from([0, 1, 2].map(mirrored)))
+        });
+        assert_eq!(grid.get(v), covered != filled, "{v} {symmetry:?} {primitive:?}");
     }
 }
 

@@ -38,6 +38,18 @@ fn every() -> impl Iterator<Item = IVec3> {
         .flat_map(move |z| (0..edge).flat_map(move |y| (0..edge).map(move |x| IVec3::new(x, y, z))))
 }
 
+/// Returns what `f` returns for every voxel, at [`index`].
+fn dense<T>(f: impl Fn(IVec3) -> T) -> Vec<T> {
+    every().map(f).collect()
+}
+
+/// Returns the place of a voxel in the order of [`every`]; `None` beyond the grid.
+fn index(v: IVec3) -> Option<usize> {
+    let edge = EDGE as i32;
+    let inside = v.cmpge(IVec3::ZERO).all() && v.cmplt(IVec3::splat(edge)).all();
+    inside.then(|| (v.x + edge * (v.y + edge * v.z)) as usize)
+}
+
 /// A tool of each kind, off every plane.
 const TOOLS: &[&str] = &[
     "add ellipsoid at=31,33,29 half=5,4,6 turn=10,20,30 colour=#ff0000",
@@ -74,7 +86,8 @@ fn tools() -> Vec<String> {
 fn asymmetry(document: &Document) -> (usize, usize) {
     let contents = document.contents();
     let images = document.images();
-    let is = |v: IVec3| (contents.colour(v), contents.is_masked(v));
+    let states = dense(|v| (contents.colour(v), contents.is_masked(v)));
+    let is = |v: IVec3| index(v).map_or((None, false), |i| states[i]);
     let (mut differing, mut surface) = (0, 0);
     for v in every() {
         let beside =
@@ -152,15 +165,17 @@ fn any_plane_and_any_turn_is_symmetric_to_the_voxel_at_the_surface() {
 
 /// Returns how many voxels differ from their images although all voxels within two of the image are alike.
 fn deep_asymmetry(document: &Document) -> usize {
-    let contents = document.contents();
+    let bits = dense(|v| document.grid().get(v));
+    // Beyond the grid all is empty.
+    let is = |v: IVec3| index(v).is_some_and(|i| bits[i]);
     let mut differing = 0;
     for image in &document.images()[1..] {
         for v in every() {
             let there = image.point_exactly(v.as_dvec3() + DVec3::splat(0.5)).floor().as_ivec3();
             let inside = there.cmpge(IVec3::splat(3)).all()
                 && there.cmplt(IVec3::splat(EDGE as i32 - 3)).all();
-            let alike = |other: IVec3| contents.grid.get(other) == contents.grid.get(there);
-            if inside && contents.grid.get(v) != contents.grid.get(there) {
+            let alike = |other: IVec3| is(other) == is(there);
+            if inside && is(v) != is(there) {
                 let around = (0..125).map(|i| there + IVec3::new(i % 5, i / 5 % 5, i / 25) - 2);
                 differing += usize::from(around.into_iter().all(alike));
             }

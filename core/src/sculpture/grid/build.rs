@@ -61,20 +61,12 @@ pub(super) fn tree_of_runs<T: Send, E: Send>(
 }
 
 /// Returns the tree of the leaves that `leaf` returns for leaf coordinates.
-pub(super) fn tree_of_leaves(
+fn tree_of_leaves(
     extent: Extent,
     levels: u32,
     leaf: &(dyn Fn(UVec3) -> Child + Sync),
 ) -> Arc<TreeNode> {
-    let leaf_dims = (extent.bricks + 7) >> NODE_EDGE_LOG2;
-    let count = leaf_dims.element_product();
-    let mut leaves: Vec<Child> =
-        (0..count).into_par_iter().map(|index| leaf(unflatten(index, leaf_dims))).collect();
-    let mut take = |leaf: UVec3| {
-        let index = leaf.x + leaf_dims.x * (leaf.y + leaf_dims.y * leaf.z);
-        std::mem::replace(&mut leaves[index as usize], Child::Empty)
-    };
-    Arc::new(node_of(&extent, UVec3::ZERO, levels, &mut take))
+    tree_of_leaves_and_cubes(extent, levels, &|_| None, leaf)
 }
 
 /// Returns the tree of the cubes that `whole` says to be full (`true`) or empty, and of the bricks that `f` returns in
@@ -85,7 +77,19 @@ pub(super) fn tree_of_cubes(
     whole: &(dyn Fn(BrickBox) -> Option<bool> + Sync),
     f: &(dyn Fn(UVec3) -> Brick + Sync),
 ) -> Arc<TreeNode> {
-    Arc::new(node_of_cubes(&extent, UVec3::ZERO, levels, whole, f))
+    tree_of_leaves_and_cubes(extent, levels, whole, &|leaf| {
+        leaf_of(&extent, leaf, |b, valid| Value::of(f(b).and(valid)))
+    })
+}
+
+/// Performs [`tree_of_cubes`] with the leaves that `leaf` returns for their coordinates.
+pub(super) fn tree_of_leaves_and_cubes(
+    extent: Extent,
+    levels: u32,
+    whole: &(dyn Fn(BrickBox) -> Option<bool> + Sync),
+    leaf: &(dyn Fn(UVec3) -> Child + Sync),
+) -> Arc<TreeNode> {
+    Arc::new(node_of_cubes(&extent, UVec3::ZERO, levels, whole, leaf))
 }
 
 /// Returns the node of `level` (2 or more) from brick `low` on.
@@ -94,7 +98,7 @@ fn node_of_cubes(
     low: UVec3,
     level: u32,
     whole: &(dyn Fn(BrickBox) -> Option<bool> + Sync),
-    f: &(dyn Fn(UVec3) -> Brick + Sync),
+    leaf: &(dyn Fn(UVec3) -> Child + Sync),
 ) -> TreeNode {
     let log2 = NODE_EDGE_LOG2 * (level - 1);
     let inside = extent.children(low, log2);
@@ -106,11 +110,9 @@ fn node_of_cubes(
         match whole(BrickBox { min: low, max }) {
             Some(false) => Child::Empty,
             Some(true) => Child::Full,
-            None if level == 2 => {
-                leaf_of(extent, low >> NODE_EDGE_LOG2, |b, valid| Value::of(f(b).and(valid)))
-            }
+            None if level == 2 => leaf(low >> NODE_EDGE_LOG2),
             None => {
-                let node = node_of_cubes(extent, low, level - 1, whole, f);
+                let node = node_of_cubes(extent, low, level - 1, whole, leaf);
                 closed(node, extent, low, log2)
             }
         }

@@ -1,7 +1,7 @@
 //! The colours of a sculpture in another box: the pages of its bricks moved by whole leaves.
 //!
 //! Takes colours, a size and a distance in leaves; returns new colours that share what stays as it is. A brick at a border
-//! keeps its page as a whole; a brick beyond the border has none.
+//! keeps its page as a whole; a brick beyond the border has none. Cubes of one colour cost nothing, however large they are.
 
 use std::sync::Arc;
 
@@ -9,36 +9,45 @@ use glam::{IVec3, UVec3};
 
 use super::Material;
 use super::node::{ColourCube, ColourNode, PaintedChild};
+use super::page::Page;
+use super::read::uniform_in;
 use crate::sculpture::brick::Brick;
-use crate::sculpture::grid::{Extent, NODE_EDGE_LOG2, Slot};
+use crate::sculpture::grid::{Extent, Slot, source_of};
+use crate::sculpture::region::BrickBox;
 
 /// Returns the colours for a grid of `dims` voxels, with the pages of other ones moved by `shift` leaves.
 pub(in crate::sculpture) fn reframed(material: &Material, dims: UVec3, shift: IVec3) -> Material {
     let mut moved = Material::new(material.depth, material.base, dims);
+    let whole = moved.whole();
+    move_into(&mut moved, whole, material, shift);
+    moved
+}
+
+/// Gives the cube `target` of `moved` the pages that lie there once those of `material` have moved by `shift` leaves.
+fn move_into(moved: &mut Material, target: ColourCube, material: &Material, shift: IVec3) {
     let (from, to) = (material.extent, moved.extent);
-    let leaves = |extent: &Extent| ((extent.bricks + 7) >> NODE_EDGE_LOG2).as_ivec3();
-    let (low, high) = (shift.max(IVec3::ZERO), (leaves(&from) + shift).min(leaves(&to)));
-    if material.root.is_none() || low.cmpge(high).any() {
-        return moved;
-    }
-    let cube = |leaf: IVec3| ColourCube { low: leaf.as_uvec3() << NODE_EDGE_LOG2, level: 1 };
-    for z in low.z..high.z {
-        for y in low.y..high.y {
-            for x in low.x..high.x {
-                let leaf = IVec3::new(x, y, z);
-                let (source, target) = (cube(leaf - shift), cube(leaf));
-                let Some(child) = material.find(source) else { continue };
-                let is_whole =
-                    |cube: ColourCube, extent: &Extent| cube.children(extent) == Brick::FULL;
-                let child = match is_whole(source, &from) && is_whole(target, &to) {
-                    true => Some(child.clone()),
-                    false => cut(child.clone(), (source, &from), (target, &to)),
-                };
-                moved.replace(target, child);
-            }
+    let max = (target.low + (1 << target.log2())).min(to.bricks);
+    let bricks = BrickBox { min: target.low, max };
+    let Some((source, is_covered)) = source_of(bricks, shift, &from) else { return };
+    match uniform_in(material, source) {
+        Some(None) => {}
+        Some(Some(colour)) if is_covered => {
+            moved.replace(target, Some(PaintedChild::Page(Page::of_packed(colour))));
+        }
+        _ if target.level > 1 => target
+            .children(&to)
+            .for_each(|index| move_into(moved, target.child_at(index), material, shift)),
+        _ => {
+            let source = ColourCube { low: source.min, level: 1 };
+            let Some(child) = material.find(source) else { return };
+            let is_whole = |cube: ColourCube, extent: &Extent| cube.children(extent) == Brick::FULL;
+            let child = match is_whole(source, &from) && is_whole(target, &to) {
+                true => Some(child.clone()),
+                false => cut(child.clone(), (source, &from), (target, &to)),
+            };
+            moved.replace(target, child);
         }
     }
-    moved
 }
 
 /// Returns a leaf of one extent as a leaf of another, without the bricks beyond its border.

@@ -56,6 +56,8 @@ pub const NO_PAGE: u32 = u32::MAX;
 
 /// About the bricks that are computed at once, so that memory stays bounded and the time can be checked in between.
 const PORTION: usize = 1024;
+/// The same for bricks of pictures, whose normals may have to be computed, too.
+const SEEN_PORTION: usize = 256;
 
 /// Bytes for each brick near the surface: its levels, its page, and the bits of its cells.
 const BRICK_BYTES: usize = size_of::<PageLevels>() + size_of::<u32>() + size_of::<Brick>();
@@ -107,10 +109,15 @@ impl LevelSet {
     /// `budget_bytes`.
     pub fn whole(grid: &Grid, budget_bytes: u64) -> Result<LevelSet, GridError> {
         let levels = LevelSet::new(grid, budget_bytes)?;
-        let what = format!("the smooth surface of {} voxels needs", grid.dims());
-        let needed = (levels.stale.len() * BRICK_BYTES) as u64;
-        OverBudget::check(what, needed, MemoryBudget::Grids, budget_bytes)?;
+        levels.check_whole(grid, budget_bytes)?;
         Ok(levels)
+    }
+
+    /// Returns an error if all levels together need more than `budget_bytes`.
+    pub fn check_whole(&self, grid: &Grid, budget_bytes: u64) -> Result<(), OverBudget> {
+        let what = format!("the smooth surface of {} voxels needs", grid.dims());
+        let bricks = self.pages.len() - self.free.len() + self.stale.len();
+        OverBudget::check(what, (bricks * BRICK_BYTES) as u64, MemoryBudget::Grids, budget_bytes)
     }
 
     /// Returns whether the levels are those of a grid of this size.
@@ -118,9 +125,10 @@ impl LevelSet {
         self.cells.dims() == grid.dims() + 1
     }
 
-    /// Notes that voxels, normals or depths of bricks (linear indices) have changed. Updates the cells.
-    pub fn follow(&mut self, grid: &Grid, changed: &[u32]) {
-        self.follow_within(grid, changed, 1);
+    /// Notes that voxels, normals or depths of bricks (linear indices) have changed. Updates the cells. Returns the bricks
+    /// whose levels may differ.
+    pub fn follow(&mut self, grid: &Grid, changed: &[u32]) -> BrickSet {
+        self.follow_within(grid, changed, 1)
     }
 
     /// Notes that voxels of bricks have changed, and with them the normals around them.
@@ -128,7 +136,7 @@ impl LevelSet {
         self.follow_within(grid, edited, 1 + REACH_BRICKS);
     }
 
-    fn follow_within(&mut self, grid: &Grid, changed: &[u32], reach: u32) {
+    fn follow_within(&mut self, grid: &Grid, changed: &[u32], reach: u32) -> BrickSet {
         let coords = changed.iter().map(|&index| grid.brick_coords(index as usize));
         let around = around(grid, coords, reach);
         let mut bricks = Vec::new();
@@ -152,6 +160,7 @@ impl LevelSet {
             self.cells.set_brick(place as usize, now);
             self.recut.push(index);
         }
+        around
     }
 
     /// Computes the outstanding levels, on all cores. Appends the bricks whose levels or cells differ from before, in
@@ -176,22 +185,33 @@ impl LevelSet {
         sort_from(changed, first);
     }
 
-    /// Computes those of `wanted` that are outstanding, and the normals that they are made of. Reports bricks as
-    /// [`LevelSet::update`] does.
+    /// Computes those of `wanted` that are outstanding, and the normals that they are made of, while `goes_on` returns
+    /// true. Returns whether none is left. Reports bricks as [`LevelSet::update`] does.
     pub fn complete(
         &mut self,
         grid: &Grid,
         normals: &mut NormalField,
         wanted: &BrickSet,
         changed: &mut Vec<u32>,
-    ) {
+        goes_on: &mut dyn FnMut() -> bool,
+    ) -> bool {
         let first = self.report_recut(changed);
         let bricks = self.stale.take(wanted);
-        normals.complete_bricks(grid, &around(grid, bricks.iter().copied(), 1), &mut Vec::new());
-        for portion in bricks.chunks(PORTION) {
+        let mut rest = &*bricks;
+        while !rest.is_empty() && goes_on() {
+            let (portion, later) = rest.split_at(rest.len().min(SEEN_PORTION));
+            let sources = around(grid, portion.iter().copied(), 1);
+            normals.complete_bricks(grid, &sources, &mut Vec::new());
             self.compute(grid, normals, portion, changed);
+            rest = later;
+        }
+        let mut left = BrickSet::default();
+        rest.iter().for_each(|b| left.insert(*b));
+        for (leaf, bricks) in left.leaves() {
+            self.stale.insert_in(leaf.coords(), &bricks);
         }
         sort_from(changed, first);
+        rest.is_empty()
     }
 
     /// Appends the bricks whose cells have changed. Returns the former length of `changed`.

@@ -99,18 +99,31 @@ impl LevelSampler {
     ) {
         map.reset_with_normals(grid.dims(), *rays);
         let rect = PixelRect::of_picture(rays.size);
-        let Some(rect) = self.begin(grid, levels, rect, map) else { return };
+        self.complete_rect(grid, (normals, levels), rect, map, &mut || true);
+    }
+
+    /// Performs [`LevelSampler::sample_rect`] with levels of which any may be outstanding, while `goes_on` returns true.
+    /// Returns whether all pixels are sampled; if not, the next call needs to compute less.
+    pub fn complete_rect(
+        &mut self,
+        grid: &Grid,
+        (normals, levels): (&mut NormalField, &mut LevelSet),
+        rect: PixelRect,
+        map: &mut IndexMap,
+        goes_on: &mut dyn FnMut() -> bool,
+    ) -> bool {
+        let Some(rect) = self.begin(grid, levels, rect, map) else { return true };
         let mut changed = Vec::new();
         let mut outstanding = self.bricks_of_cells(grid, rect);
-        loop {
-            levels.complete(grid, normals, &outstanding, &mut changed);
+        while levels.complete(grid, normals, &outstanding, &mut changed, goes_on) {
             let found = self.sample_strips(LevelScene { grid, normals, levels }, rect, map);
             if found.is_empty() {
-                return;
+                return true;
             }
             // Rays go on into the bricks beside them.
             outstanding = around(grid, found.into_iter(), 1);
         }
+        false
     }
 
     /// Finds the first cells of the pixels of `rect`, cut to the picture. Returns that; `None` if it is empty.

@@ -454,8 +454,28 @@ fn bricks_amid_others_of_their_kind_have_no_levels() {
     assert_eq!(count, 19 * 17 * 12 - 15 * 13 * 8);
 }
 
-/// Pictures for which levels are computed as their rays meet them are those of complete levels: from afar, near and
-/// aslant along the surface, before and after edits, and for each sample of an antialiased picture.
+/// Samples a picture as a window does, which stops computing when a frame ends. Returns the number of frames.
+fn sample_by_and_by(
+    sampler: &mut LevelSampler,
+    grid: &Grid,
+    (normals, levels): (&mut NormalField, &mut LevelSet),
+    rays: &PixelRays,
+    map: &mut IndexMap,
+) -> u32 {
+    map.reset_with_normals(grid.dims(), *rays);
+    let rect = PixelRect::of_picture(rays.size);
+    for frame in 1..1000 {
+        let mut portions = 0..1;
+        let mut goes_on = || portions.next().is_some();
+        if sampler.complete_rect(grid, (normals, levels), rect, map, &mut goes_on) {
+            return frame;
+        }
+    }
+    panic!("not complete within 1000 frames");
+}
+
+/// Pictures for which levels are computed as their rays meet them, at once or by and by, are those of complete levels:
+/// from afar, near and aslant along the surface, before and after edits, and for each sample of an antialiased picture.
 #[test]
 fn what_a_picture_computes_on_the_way_is_what_it_shows() {
     let mut grid = scenes::cheese(150, 60, 3).unwrap();
@@ -481,7 +501,13 @@ fn what_a_picture_computes_on_the_way_is_what_it_shows() {
     for (round, rays) in views.iter().chain(&views).enumerate() {
         let mut map = IndexMap::new(*rays);
         sampler.sample = round as u32;
-        sampler.sample_completing(&grid, (&mut normals, &mut levels), rays, &mut map);
+        let surface = (&mut normals, &mut levels);
+        if round % 2 == 0 {
+            let calls = sample_by_and_by(&mut sampler, &grid, surface, rays, &mut map);
+            assert!(calls > 1 || round > 0, "the first picture is complete at once");
+        } else {
+            sampler.sample_completing(&grid, surface, rays, &mut map);
+        }
         let (whole_normals, whole) = smooth(&grid);
         let mut expected = IndexMap::new(*rays);
         let mut other = LevelSampler::default();
