@@ -301,7 +301,9 @@ impl Grid {
 
     /// Makes the voxels of a box exist, and no others.
     pub(crate) fn fill_box(&mut self, voxels: VoxelBox) {
-        let whole = |cube: BrickBox| match voxels.coverage(cube.voxels()) {
+        // A cube at the border is full with the voxels that it has.
+        let all = VoxelBox::of_grid(self);
+        let whole = |cube: BrickBox| match voxels.coverage(cube.voxels().intersect(all)) {
             BoxCoverage::None => Some(false),
             BoxCoverage::Part => None,
             BoxCoverage::All => Some(true),

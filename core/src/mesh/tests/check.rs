@@ -1,6 +1,6 @@
 //! Checks a mesh by itself: whether it is a closed, orientable 2-manifold. Shares no code with the mesher.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap as HashMap;
 
 use glam::{DVec3, Vec3};
 
@@ -22,7 +22,7 @@ pub fn check(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<Sound, String
     if let Some(bad) = positions.iter().find(|position| !position.is_finite()) {
         return Err(format!("a vertex at {bad}"));
     }
-    let mut edges: HashMap<(u32, u32), usize> = HashMap::new();
+    let mut edges: HashMap<(u32, u32), usize> = HashMap::default();
     for (number, triangle) in triangles.iter().enumerate() {
         if triangle.iter().any(|&vertex| vertex as usize >= positions.len()) {
             return Err(format!("triangle {triangle:?} of {} vertices", positions.len()));
@@ -108,12 +108,12 @@ fn topology(vertices: usize, triangles: &[[u32; 3]]) -> Result<(usize, i64), Str
         let (a, c) = (root(&mut parent, a), root(&mut parent, c));
         parent[c] = a;
     }
-    let mut euler: HashMap<usize, i64> = HashMap::new();
+    let mut euler: HashMap<usize, i64> = HashMap::default();
     for vertex in 0..vertices {
         *euler.entry(root(&mut parent, vertex)).or_default() += 1;
     }
     // A closed surface has three edges for each two triangles.
-    let mut faces: HashMap<usize, i64> = HashMap::new();
+    let mut faces: HashMap<usize, i64> = HashMap::default();
     for triangle in triangles {
         *faces.entry(root(&mut parent, triangle[0] as usize)).or_default() += 1;
     }
@@ -131,7 +131,7 @@ fn topology(vertices: usize, triangles: &[[u32; 3]]) -> Result<(usize, i64), Str
 
 /// Merges vertices at the same position, as programs do that read files without shared vertices.
 pub(crate) fn welded(positions: &[Vec3], triangles: &[[u32; 3]]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
-    let mut numbers: HashMap<[u32; 3], u32> = HashMap::new();
+    let mut numbers: HashMap<[u32; 3], u32> = HashMap::default();
     let mut kept = Vec::new();
     let number: Vec<u32> = positions
         .iter()

@@ -18,10 +18,17 @@ pub(crate) fn naive_pixel(
     x: u32,
     y: u32,
 ) -> Option<Hit> {
+    // A ray meets a brick in several voxels.
+    let mut last = None;
     naive_walk(grid, rays.origin, rays.direction(x, y), |cell| {
         let b = cell.div_euclid(IVec3::splat(8));
         if !small.contains(b) || !grid.contains(cell) {
             return grid.get(cell).then_some(cell);
+        }
+        if let Some((brick, found)) = last
+            && brick == b
+        {
+            return found;
         }
         // The voxels of the brick in the order of their distances from the eye along z, then y, then x.
         let from_eye = |v: IVec3| {
@@ -30,7 +37,9 @@ pub(crate) fn naive_pixel(
             (along(2), along(1), along(0))
         };
         let all = (0..512).map(|i| b * 8 + IVec3::new(i & 7, i >> 3 & 7, i >> 6));
-        all.filter(|v| grid.get(*v)).min_by_key(|v| from_eye(*v))
+        let found = all.filter(|v| grid.get(*v)).min_by_key(|v| from_eye(*v));
+        last = Some((b, found));
+        found
     })
 }
 
@@ -38,7 +47,7 @@ fn naive_walk(
     grid: &Grid,
     origin: Vec3,
     direction: Vec3,
-    seen: impl Fn(IVec3) -> Option<IVec3>,
+    mut seen: impl FnMut(IVec3) -> Option<IVec3>,
 ) -> Option<Hit> {
     let dir = direction.to_array().map(|d| if d.abs() < 1e-20 { 1e-20 } else { d });
     let (o, inv) = (origin.to_array(), dir.map(|d| 1.0 / d));
