@@ -17,13 +17,6 @@ fn load(path: &Path) -> Result<Loaded, FormatError> {
 const READ: [&str; 12] =
     ["pvm", "vox", "qb", "binvox", "obj", "stl", "ply", "nii", "gz", "nrrd", "nhdr", "vti"];
 
-/// Returns the peak memory of this process, if the system reports it.
-fn peak_mib() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
-    line.trim().strip_suffix(" kB")?.trim().parse::<u64>().ok().map(|kib| kib >> 10)
-}
-
 #[test]
 fn bad_files_are_accepted_or_refused_as_listed() {
     // The memory of the whole process is measured.
@@ -56,7 +49,7 @@ fn bad_files_are_accepted_or_refused_as_listed() {
     }
     assert!(seen >= 108, "only {seen} files");
     // The largest accepted one is a volume of 32 MiB; nothing may take much more.
-    if let Some(peak) = peak_mib() {
+    if let Some(peak) = trials::peak_mib() {
         assert!(peak < 250, "{peak} MiB");
     }
 }

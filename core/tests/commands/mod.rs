@@ -18,6 +18,7 @@ mod orientations;
 mod places;
 mod refusals;
 mod script;
+mod soak;
 pub mod strategies;
 mod surface;
 mod symmetries;

@@ -51,6 +51,11 @@ pub struct Place {
 
 /// Returns a document, full or empty, that knows the picture.
 pub fn document(dims: UVec3, solid: bool) -> Document {
+    document_within(dims, solid, Limits::default())
+}
+
+/// Returns the same within limits.
+pub fn document_within(dims: UVec3, solid: bool, limits: Limits) -> Document {
     let new = NewSculpture {
         dims,
         voxel_size: Vec3::ONE,
@@ -60,7 +65,7 @@ pub fn document(dims: UVec3, solid: bool) -> Document {
         room_vx: 0,
         grows: false,
     };
-    let mut document = Document::new(&new, Limits::default()).unwrap();
+    let mut document = Document::new(&new, limits).unwrap();
     let stripes = (0..64).map(|i| if i % 8 < 4 { Rgb::STONE } else { Rgb::new(1, 2, 3) });
     document.learn_picture(PICTURE.as_ref(), Texture::new(8, stripes.collect()).unwrap());
     document

@@ -165,7 +165,7 @@ pub fn fuzz(
                 }
             }
             if run % 64 == 0
-                && let Some(peak) = peak_mib()
+                && let Some(peak) = trials::peak_mib()
             {
                 let place = format!("{target}: run {run} of seed {i}");
                 assert!(peak < MOST_MIB, "{place}: {peak} MiB: {}", keep(&name, &bytes));
@@ -184,11 +184,4 @@ fn keep(name: &str, bytes: &[u8]) -> String {
     let path = folder.join(name);
     std::fs::write(&path, bytes).unwrap();
     path.display().to_string()
-}
-
-/// Returns the peak memory of this process, if the system reports it.
-fn peak_mib() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
-    line.trim().strip_suffix(" kB")?.trim().parse::<u64>().ok().map(|kib| kib >> 10)
 }

@@ -11,6 +11,7 @@
 mod again;
 #[cfg(target_os = "linux")]
 mod limiter;
+mod memory;
 mod shared;
 mod slowest;
 
@@ -25,6 +26,7 @@ pub use again::{alone, arguments, conclude, executable};
 pub use inventory;
 #[cfg(target_os = "linux")]
 pub use limiter::Limiter;
+pub use memory::{peak_mib, resident_mib};
 pub use shared::shared_file;
 pub use trials_macros::test;
 

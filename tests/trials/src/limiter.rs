@@ -68,7 +68,5 @@ impl Drop for Limiter {
 }
 
 fn address_space_kib() -> u64 {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap();
-    let line = status.lines().find(|line| line.starts_with("VmSize")).unwrap();
-    line.split_whitespace().nth(1).unwrap().parse().unwrap()
+    crate::memory::status_kib("VmSize:").unwrap()
 }
