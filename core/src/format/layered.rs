@@ -1,15 +1,18 @@
 //! Volumes that are too large to be held: their voxels are read layer by layer along z, as often as they are needed.
 //!
-//! Takes the places of the voxels in files; gives layers in the samples of a volume. Holds a few layers at a time. Knows
-//! no format.
+//! Takes the places of the voxels in files, or a decoder of layers; gives layers in the samples of a volume. Holds a few
+//! layers at a time. Knows no format.
 
+use std::fmt::Debug;
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use bzip2::read::MultiBzDecoder;
 use flate2::read::{MultiGzDecoder, ZlibDecoder};
 use glam::{UVec3, Vec3};
+use rayon::prelude::*;
 
 use super::options::ScanRegion;
 use super::scan::numbers::Number;
@@ -51,6 +54,26 @@ pub struct StoredVoxels {
     pub parts: Vec<VoxelPart>,
     /// Bytes of the parts before the voxels.
     pub skip: u64,
+    pub numbers: StoredNumbers,
+}
+
+/// Decodes the layers of a volume one by one, in any order, also several at a time.
+pub trait LayerDecoder: Debug + Send + Sync {
+    /// Returns the numbers of a layer along z, x fastest, then y.
+    fn layer(&self, z: u32) -> Result<Vec<u8>, FormatError>;
+}
+
+/// Where the layers of a volume come from.
+#[derive(Clone, Debug)]
+enum LayerSource {
+    /// Files with the voxels, and the bytes before those.
+    Parts(Vec<VoxelPart>, u64),
+    Decoder(Arc<dyn LayerDecoder>),
+}
+
+/// The numbers of a volume as they are read.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct StoredNumbers {
     pub number: Number,
     pub is_big: bool,
     /// Each number counts times the first plus the second.
@@ -58,7 +81,7 @@ pub struct StoredVoxels {
 }
 
 /// A volume whose voxels stay in their files.
-#[derive(Clone, PartialEq, Debug)]
+#[derive(Clone, Debug)]
 pub struct LayeredVolume {
     /// Size in voxels, of the region if there is one.
     pub dims: UVec3,
@@ -68,7 +91,8 @@ pub struct LayeredVolume {
     pub samples: Samples,
     /// The texts stored with it.
     pub texts: Texts,
-    stored: StoredVoxels,
+    source: LayerSource,
+    stored: StoredNumbers,
     /// The size in the files, and the lowest voxel of the region.
     whole: UVec3,
     low: UVec3,
@@ -96,17 +120,43 @@ impl LayeredVolume {
         description: Vec<u8>,
         progress: &dyn Progress,
     ) -> Result<LayeredVolume, FormatError> {
-        for part in stored.parts.iter().filter(|part| part.packing == PartPacking::Plain) {
+        let StoredVoxels { parts, skip, numbers } = stored;
+        for part in parts.iter().filter(|part| part.packing == PartPacking::Plain) {
             let found = super::store::open(&part.path)?.metadata()?.len();
             if found.checked_sub(part.begin).is_none_or(|bytes| bytes < part.bytes) {
                 return Err(cut(part.bytes, found.saturating_sub(part.begin)));
             }
         }
+        let source = LayerSource::Parts(parts, skip);
+        LayeredVolume::of(source, numbers, (dims, voxel_size), description, progress)
+    }
+
+    /// Describes a volume of `dims` voxels whose layers are decoded. Reads them once where their samples depend on their
+    /// values.
+    pub fn decoded(
+        decoder: Arc<dyn LayerDecoder>,
+        numbers: StoredNumbers,
+        (dims, voxel_size): (UVec3, Vec3),
+        description: Vec<u8>,
+        progress: &dyn Progress,
+    ) -> Result<LayeredVolume, FormatError> {
+        let source = LayerSource::Decoder(decoder);
+        LayeredVolume::of(source, numbers, (dims, voxel_size), description, progress)
+    }
+
+    fn of(
+        source: LayerSource,
+        stored: StoredNumbers,
+        (dims, voxel_size): (UVec3, Vec3),
+        description: Vec<u8>,
+        progress: &dyn Progress,
+    ) -> Result<LayeredVolume, FormatError> {
         let texts = Texts { description, ..Texts::default() };
         let samples = Samples::F32Le;
         let (whole, low) = (dims, UVec3::ZERO);
-        let mut volume = LayeredVolume { dims, voxel_size, samples, texts, stored, whole, low };
-        let StoredVoxels { number, is_big, scale, .. } = volume.stored;
+        let mut volume =
+            LayeredVolume { dims, voxel_size, samples, texts, source, stored, whole, low };
+        let StoredNumbers { number, is_big, scale } = stored;
         volume.samples = match number.samples_unless_small(is_big, scale) {
             Some(samples) => samples,
             None => {
@@ -135,15 +185,15 @@ impl LayeredVolume {
 
     /// Returns the bytes that reading takes at a time.
     pub fn portion_bytes(&self, portions: Portions) -> u64 {
-        let stored = self.whole.x as u64 * self.whole.y as u64 * self.stored.number.bytes();
+        let stored = self.stored_layer_bytes();
         let own = self.dims.x as u64 * self.dims.y as u64 * u64::from(self.samples.bytes());
         u64::from(self.count(portions)) * (stored + own)
     }
 
     /// Returns the layers that are read at once.
     fn count(&self, portions: Portions) -> u32 {
-        let layer = self.whole.x as u64 * self.whole.y as u64 * self.stored.number.bytes();
-        let fitting = (PORTION_BYTES / layer.max(1)).clamp(1, u64::from(PORTION_LAYERS)) as u32;
+        let fitting = (PORTION_BYTES / self.stored_layer_bytes().max(1))
+            .clamp(1, u64::from(PORTION_LAYERS)) as u32;
         match portions {
             Portions::Any => 1 << fitting.ilog2(),
             Portions::Bricks => PORTION_LAYERS,
@@ -157,7 +207,7 @@ impl LayeredVolume {
         progress: &dyn Progress,
         f: TakeLayers,
     ) -> Result<(), FormatError> {
-        let StoredVoxels { number, is_big, scale, .. } = self.stored;
+        let StoredNumbers { number, is_big, scale } = self.stored;
         let mut converted = Vec::new();
         self.for_each_stored(portions, progress, &mut |z, data| {
             if number.is_kept(scale) && number.same(is_big).is_some() {
@@ -176,10 +226,15 @@ impl LayeredVolume {
         progress: &dyn Progress,
         f: TakeLayers,
     ) -> Result<(), FormatError> {
-        let bytes = self.stored.number.bytes();
-        let layer_bytes = u64::from(self.whole.x) * u64::from(self.whole.y) * bytes;
-        let mut reader = PartsReader::new(&self.stored);
-        reader.skip(self.stored.skip + layer_bytes * u64::from(self.low.z))?;
+        let layer_bytes = self.stored_layer_bytes();
+        let mut reader = match &self.source {
+            LayerSource::Decoder(decoder) => LayerReader::Decoder(&**decoder),
+            LayerSource::Parts(parts, skip) => {
+                let mut reader = PartsReader::new(parts);
+                reader.skip(skip + layer_bytes * u64::from(self.low.z))?;
+                LayerReader::Parts(reader)
+            }
+        };
         let count = self.count(portions);
         let mut layers = vec![0; (layer_bytes * u64::from(count)) as usize];
         for z in (0..self.dims.z).step_by(count as usize) {
@@ -187,11 +242,21 @@ impl LayeredVolume {
             progress.advance(z as f32 / self.dims.z as f32);
             let count = count.min(self.dims.z - z);
             let whole = &mut layers[..(layer_bytes * u64::from(count)) as usize];
-            reader.fill(whole)?;
+            match &mut reader {
+                LayerReader::Parts(reader) => reader.fill(whole)?,
+                LayerReader::Decoder(decoder) => {
+                    decode(*decoder, self.low.z + z, layer_bytes as usize, whole)?;
+                }
+            }
             let kept = self.cropped(whole, count);
             f(z, &whole[..kept])?;
         }
         Ok(())
+    }
+
+    /// Returns the bytes of a layer as it is stored.
+    fn stored_layer_bytes(&self) -> u64 {
+        u64::from(self.whole.x) * u64::from(self.whole.y) * self.stored.number.bytes()
     }
 
     /// Moves the voxels of the region to the front of `count` layers. Returns their bytes.
@@ -228,6 +293,29 @@ impl LayeredVolume {
     }
 }
 
+/// A source that is being read.
+enum LayerReader<'a> {
+    Parts(PartsReader<'a>),
+    Decoder(&'a dyn LayerDecoder),
+}
+
+/// Decodes layers of `bytes` bytes from `first` on, on all threads.
+fn decode(
+    decoder: &dyn LayerDecoder,
+    first: u32,
+    bytes: usize,
+    layers: &mut [u8],
+) -> Result<(), FormatError> {
+    layers.par_chunks_exact_mut(bytes).enumerate().try_for_each(|(i, target)| {
+        let layer = decoder.layer(first + i as u32)?;
+        if layer.len() != bytes {
+            return Err(cut(bytes as u64, layer.len() as u64));
+        }
+        target.copy_from_slice(&layer);
+        Ok(())
+    })
+}
+
 /// Reads parts one after the other.
 struct PartsReader<'a> {
     parts: &'a [VoxelPart],
@@ -239,9 +327,9 @@ struct PartsReader<'a> {
 }
 
 impl<'a> PartsReader<'a> {
-    fn new(stored: &'a StoredVoxels) -> PartsReader<'a> {
-        let all = stored.parts.iter().map(|part| part.bytes).sum();
-        PartsReader { parts: &stored.parts, open: None, done: 0, all }
+    fn new(parts: &'a [VoxelPart]) -> PartsReader<'a> {
+        let all = parts.iter().map(|part| part.bytes).sum();
+        PartsReader { parts, open: None, done: 0, all }
     }
 
     /// Skips bytes. Whole parts are not opened.

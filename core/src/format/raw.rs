@@ -2,7 +2,7 @@
 
 use glam::UVec3;
 
-use super::layered::{LayeredVolume, PartPacking, StoredVoxels, VoxelPart};
+use super::layered::{LayeredVolume, PartPacking, StoredNumbers, StoredVoxels, VoxelPart};
 use super::options::RawLayout;
 use super::scan::numbers::Number;
 use super::scan::reading::{Reading, Scan};
@@ -47,7 +47,11 @@ fn open(reading: &Reading) -> Result<(Scan, u64), FormatError> {
         check_length(&layout, length)?;
         let (packing, begin) = (PartPacking::Plain, layout.skip_bytes);
         let part = VoxelPart { path, packing, packed_at: 0, begin, bytes: length - begin };
-        let stored = StoredVoxels { parts: vec![part], skip: 0, number, is_big, scale: [1.0, 0.0] };
+        let stored = StoredVoxels {
+            parts: vec![part],
+            skip: 0,
+            numbers: StoredNumbers { number, is_big, scale: [1.0, 0.0] },
+        };
         let RawLayout { dims, voxel_size, .. } = layout;
         let volume = LayeredVolume::new(stored, dims, voxel_size, Vec::new(), reading.progress)?;
         return Ok((Scan::bare(volume.into(), "raw".to_string(), volumes), length));

@@ -14,7 +14,7 @@ use super::numbers::{Number, volume};
 use super::reading::{Reading, Scan, ScanVolume};
 use super::unpack::{cut, exactly, malformed};
 use crate::format::error::excerpt;
-use crate::format::layered::{LayeredVolume, PartPacking, StoredVoxels, VoxelPart};
+use crate::format::layered::{LayeredVolume, PartPacking, StoredNumbers, StoredVoxels, VoxelPart};
 use crate::format::spec::{FormatSpec, Import};
 use crate::format::{FormatError, Volumes, store};
 
@@ -206,7 +206,11 @@ fn layered(reading: &Reading) -> Result<Option<Scan>, FormatError> {
         name => (vec![part(reading.beside(name)?, 0, whole)?], IN_A_SECOND),
     };
     let MetaImageVolume { dims, voxel_size, number, is_big, .. } = of;
-    let stored = StoredVoxels { parts, skip: 0, number, is_big, scale: [1.0, 0.0] };
+    let stored = StoredVoxels {
+        parts,
+        skip: 0,
+        numbers: StoredNumbers { number, is_big, scale: [1.0, 0.0] },
+    };
     let volume = LayeredVolume::new(stored, dims, voxel_size, Vec::new(), reading.progress)?;
     Ok(Some(scan(volume.into(), &header, of, elsewhere)?))
 }

@@ -13,7 +13,7 @@ use super::frame::AxisFrame;
 use super::numbers::{Number, volume};
 use super::reading::{Reading, Scan, ScanVolume};
 use super::unpack::{cut, exactly, malformed};
-use crate::format::layered::{LayeredVolume, PartPacking, StoredVoxels, VoxelPart};
+use crate::format::layered::{LayeredVolume, PartPacking, StoredNumbers, StoredVoxels, VoxelPart};
 use crate::format::spec::{FormatSpec, Import, Packing, Sign};
 use crate::format::{FormatError, Volumes};
 
@@ -105,7 +105,11 @@ fn layered(path: &Path, reading: &Reading) -> Result<Option<Scan>, FormatError> 
     let begin = header.offset.saturating_add(bytes.saturating_mul(volumes.time.index()));
     let part = VoxelPart { path: image, packing, packed_at: 0, begin, bytes };
     let NiftiHeader { number, is_big, scale, .. } = header;
-    let stored = StoredVoxels { parts: vec![part], skip: 0, number, is_big, scale };
+    let stored = StoredVoxels {
+        parts: vec![part],
+        skip: 0,
+        numbers: StoredNumbers { number, is_big, scale },
+    };
     let (dims, voxel_size) = (header.dims, header.voxel_size);
     let description = header.description.clone();
     let volume = LayeredVolume::new(stored, dims, voxel_size, description, reading.progress)?;

@@ -14,7 +14,7 @@ use super::numbers::{Number, volume};
 use super::reading::{Reading, Scan};
 use super::segments::Segments;
 use super::unpack::{cut, exactly, malformed};
-use crate::format::layered::{LayeredVolume, PartPacking, StoredVoxels, VoxelPart};
+use crate::format::layered::{LayeredVolume, PartPacking, StoredNumbers, StoredVoxels, VoxelPart};
 use crate::format::spec::{FormatSpec, Import, Sign};
 use crate::format::volume::Samples;
 use crate::format::{FormatError, store};
@@ -78,7 +78,7 @@ fn layered(reading: &Reading) -> Result<Option<Scan>, FormatError> {
     }
     let skip = layout.begin(volumes.time.index()) * header.number.bytes();
     let (is_big, scale) = (header.is_big, [1.0, 0.0]);
-    let stored = StoredVoxels { parts, skip, number, is_big, scale };
+    let stored = StoredVoxels { parts, skip, numbers: StoredNumbers { number, is_big, scale } };
     let kind = kind(&header);
     let mut notes = notes(&header, &layout);
     notes.extend(reading.first_of(layout.volumes));

@@ -10,7 +10,7 @@ use super::numbers::{Number, volume};
 use super::reading::{Reading, Scan, ScanVolume};
 use super::unpack::{cut, malformed};
 use crate::format::error::excerpt;
-use crate::format::layered::{LayeredVolume, PartPacking, StoredVoxels, VoxelPart};
+use crate::format::layered::{LayeredVolume, PartPacking, StoredNumbers, StoredVoxels, VoxelPart};
 use crate::format::spec::{FormatSpec, Import, Sign};
 use crate::format::{FormatError, Volumes};
 
@@ -143,7 +143,11 @@ fn layered(reading: &Reading) -> Result<Option<Scan>, FormatError> {
     let rest_bytes = std::fs::metadata(&path)?.len().saturating_sub(begin);
     let part = VoxelPart { path, packing: PartPacking::Plain, packed_at: 0, begin, bytes };
     let (is_big, scale) = (true, [1.0, 0.0]);
-    let stored = StoredVoxels { parts: vec![part], skip: 0, number, is_big, scale };
+    let stored = StoredVoxels {
+        parts: vec![part],
+        skip: 0,
+        numbers: StoredNumbers { number, is_big, scale },
+    };
     let title = array.head.title.clone();
     let volume = LayeredVolume::new(stored, dims, voxel_size, title, reading.progress)?;
     Ok(Some(array.scan(volume.into(), volumes, rest_bytes)))

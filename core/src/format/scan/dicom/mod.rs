@@ -12,6 +12,7 @@ mod phases;
 mod pixels;
 mod plane;
 mod series;
+mod slices;
 mod syntax;
 mod tags;
 #[cfg(test)]
@@ -25,12 +26,13 @@ use self::data_set::{DataSet, MAGIC, MAGIC_AT, ReadExtent};
 use self::padding::Padding;
 use self::pixels::PixelLayout;
 use self::plane::{FrameData, FramePlane};
+use self::slices::{HeldSlices, Slices};
 use super::frame::AxisFrame;
-use super::numbers::{Number, volume};
+use super::numbers::volume;
 use super::reading::{Reading, Scan};
 use super::unpack::malformed;
+use crate::format::FormatError;
 use crate::format::spec::{FormatSpec, Import, Sign};
-use crate::format::{FormatError, go_on};
 use crate::sculpture::grid::MAX_AXIS_VX;
 
 pub static SPEC: FormatSpec = FormatSpec {
@@ -90,34 +92,27 @@ fn read(path: &Path, reading: &Reading) -> Result<(Scan, u64), FormatError> {
         (files, _) => format!("DICOM {modality}, series of {files} files{}", syntax.packing()),
     };
     drop(data);
-    let mut stack = SliceStack { layout, layers: Layered::default(), dims, reading, bytes: 0 };
+    drop(bytes);
+    let series =
+        Slices { files: &found.files, planes: &layers.planes, layout, padding, dims, reading };
     reading.progress.begin("reading slices");
-    let added = match file_count {
-        1 => stack.add(&file, &layers.planes),
-        _ => {
-            drop(bytes);
-            drop(file);
-            // Layers that repeat a slice are consecutive.
-            layers.planes.chunk_by(|a, b| a.file == b.file).try_for_each(|planes| {
-                stack.add(&reading.read(&found.files[planes[0].file])?, planes)
-            })
-        }
+    let read = match series.may_stay() {
+        true => series.layered(voxel_size, description),
+        false => series.held(file).map(|held| {
+            let HeldSlices { samples, file_bytes, is_filled } = held;
+            (volume(dims, voxel_size, samples, description).into(), file_bytes, is_filled)
+        }),
     };
     reading.progress.end();
-    added?;
-    let file_bytes = stack.bytes;
-    if let Some(padding) = padding.filter(|_| !stack.layers.is_scaled)
-        && padding.fill(&mut stack.layers.data, layout.number)
-    {
+    let (volume, file_bytes, is_filled) = read?;
+    if is_filled {
         notes.push(
             "what lies outside of the scanner's field (PixelPaddingValue) was taken as the least density inside"
                 .to_string(),
         );
     }
-    let samples = stack.layers.into_samples(layout.number);
-    let volume = volume(dims, voxel_size, samples, description);
     let volumes = layers.volumes;
-    Ok((Scan { volume: volume.into(), frame, kind, is_label: false, volumes, notes }, file_bytes))
+    Ok((Scan { volume, frame, kind, is_label: false, volumes, notes }, file_bytes))
 }
 
 /// Returns the planes of the frames of a file that are parallel to the first.
@@ -164,79 +159,4 @@ fn spacing(
     // Between rows, then between columns.
     let [y, x] = within.unwrap_or([1.0; 2]);
     Vec3::new(x as f32, y as f32, along.unwrap_or(1.0) as f32)
-}
-
-/// Layers as they are read: stored numbers while all have the same scale, else scaled values.
-#[derive(Default)]
-struct Layered {
-    data: Vec<u8>,
-    scale: Option<[f64; 2]>,
-    is_scaled: bool,
-}
-
-impl Layered {
-    fn add(&mut self, frame: Vec<u8>, number: Number, scale: [f64; 2]) {
-        let own = *self.scale.get_or_insert(scale);
-        if own != scale && !self.is_scaled {
-            self.data = number.to_floats(&self.data, false, own);
-            self.is_scaled = true;
-        }
-        if self.is_scaled {
-            self.data.append(&mut number.to_floats(&frame, false, scale));
-        } else {
-            self.data.extend_from_slice(&frame);
-        }
-    }
-
-    fn into_samples(self, number: Number) -> (crate::format::Samples, Vec<u8>) {
-        match self.is_scaled {
-            true => (crate::format::Samples::F32Le, self.data),
-            false => number.into_samples(self.data, false, self.scale.unwrap_or([1.0, 0.0])),
-        }
-    }
-}
-
-/// A volume that grows by a slice at a time.
-struct SliceStack<'a> {
-    layout: PixelLayout,
-    layers: Layered,
-    dims: UVec3,
-    reading: &'a Reading<'a>,
-    /// Total length of the files so far, in bytes.
-    bytes: u64,
-}
-
-impl SliceStack<'_> {
-    /// Appends frames of a file.
-    fn add(&mut self, file: &[u8], planes: &[FramePlane]) -> Result<(), FormatError> {
-        let (progress, number) = (self.reading.progress, self.layout.number);
-        let rest_bytes = self.reading.rest_bytes(file.len() as u64);
-        let whole = number.check(self.dims, rest_bytes)?;
-        let (syntax, bytes) = data_set::open(file, ReadExtent::Whole, rest_bytes)?;
-        let data = DataSet::parse(&bytes, syntax, ReadExtent::Whole)?;
-        let layout = PixelLayout::of(&data)?;
-        if !layout.fits(&self.layout) {
-            return Err(FormatError::Scan(
-                "the files of the series differ in size or type; keep each series in its own folder".to_string(),
-            ));
-        }
-        let frames = frames(&data)?;
-        self.bytes += file.len() as u64;
-        for plane in planes {
-            go_on(progress)?;
-            let frame = layout.frame(&data, syntax, frames, plane.frame)?;
-            if self.layers.data.is_empty() {
-                self.layers.data.reserve_exact(whole as usize);
-            }
-            let of = FrameData { data: &data, frame: plane.frame };
-            let value = |tag| of.decimals::<1>(tags::VALUES_GROUP, tag).map(|[value]| value);
-            let slope = value(tags::SLOPE).filter(|slope| *slope != 0.0).unwrap_or(1.0);
-            self.layers.add(frame, number, [slope, value(tags::INTERCEPT).unwrap_or(0.0)]);
-            let layer_bytes = whole / u64::from(self.dims.z);
-            let per = if self.layers.is_scaled { 4.0 / number.bytes() as f32 } else { 1.0 };
-            let done = self.layers.data.len() as f32 / per / layer_bytes as f32;
-            progress.advance(done / self.dims.z as f32);
-        }
-        Ok(())
-    }
 }

@@ -31,26 +31,41 @@ impl Padding {
         Some(Padding { least: first.min(last), most: first.max(last) })
     }
 
-    /// Replaces padding with the least other number. Returns whether there was padding, and other numbers.
-    pub fn fill(self, data: &mut [u8], number: Number) -> bool {
-        let width = number.bytes() as usize;
-        let value = |bytes: &[u8]| match (number, bytes) {
-            (Number::I8, [byte]) => i64::from(*byte as i8),
-            (Number::U8, [byte]) => i64::from(*byte),
-            (Number::I16, [a, b]) => i64::from(i16::from_le_bytes([*a, *b])),
-            (Number::U16, [a, b]) => i64::from(u16::from_le_bytes([*a, *b])),
-            _ => i64::MAX,
-        };
-        let is_padding = |value: i64| (self.least..=self.most).contains(&value);
-        let others = data.chunks_exact(width).map(value).filter(|value| !is_padding(*value));
-        let Some(least) = others.min().filter(|least| *least != i64::MAX) else { return false };
-        let mut is_filled = false;
-        for bytes in data.chunks_exact_mut(width) {
-            if is_padding(value(bytes)) {
-                bytes.copy_from_slice(&least.to_le_bytes()[..width]);
-                is_filled = true;
+    /// Returns whether there is padding in the data, and the least other number.
+    pub fn find(self, data: &[u8], number: Number) -> (bool, Option<i64>) {
+        let (mut is_there, mut least) = (false, None);
+        for bytes in data.chunks_exact(number.bytes() as usize) {
+            let value = value_of(bytes, number);
+            match self.has(value) {
+                true => is_there = true,
+                false => least = Some(least.map_or(value, |least: i64| least.min(value))),
             }
         }
-        is_filled
+        (is_there, least)
+    }
+
+    /// Replaces padding with `by`.
+    pub fn replace(self, data: &mut [u8], number: Number, by: i64) {
+        let width = number.bytes() as usize;
+        for bytes in data.chunks_exact_mut(width) {
+            if self.has(value_of(bytes, number)) {
+                bytes.copy_from_slice(&by.to_le_bytes()[..width]);
+            }
+        }
+    }
+
+    fn has(self, value: i64) -> bool {
+        (self.least..=self.most).contains(&value)
+    }
+}
+
+/// Returns a number of a type that may have padding ([`Padding::of`]).
+fn value_of(bytes: &[u8], number: Number) -> i64 {
+    match (number, bytes) {
+        (Number::I8, [byte]) => i64::from(*byte as i8),
+        (Number::U8, [byte]) => i64::from(*byte),
+        (Number::I16, [a, b]) => i64::from(i16::from_le_bytes([*a, *b])),
+        (Number::U16, [a, b]) => i64::from(u16::from_le_bytes([*a, *b])),
+        _ => i64::MAX,
     }
 }

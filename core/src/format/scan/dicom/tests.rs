@@ -478,3 +478,53 @@ fn damaged_files_never_cause_a_panic() {
         }
     }
 }
+
+/// Within narrow limits, a series becomes the same sculpture slice by slice as otherwise in memory: with one scale for all,
+/// a scale for each, padding, or unused bits; the files lie in another order than the slices.
+#[test]
+fn a_large_series_stays_in_its_files() {
+    let (columns, rows, count) = (48u16, 40u16, 24u16);
+    let narrow = Limits { grid_bytes: 64 << 10, colour_bytes: 64 << 10, ..Limits::default() };
+    let number = |x: u16, y: u16, z: u16| {
+        let [x, y, z] = [(x, columns), (y, rows), (z, count)]
+            .map(|(at, size)| f32::from(at) + 0.5 - 0.5 * f32::from(size));
+        let depth = 11.0 - Vec3::new(x, y, z).length();
+        // What lies outside of a cylinder was not scanned.
+        if Vec3::new(x, y, 0.0).length() > 19.0 { 9 } else { 100 + (20.0 * depth.max(0.0)) as u16 }
+    };
+    let variants: [fn(File, u16) -> File; 5] = [
+        |file, _| file,
+        |file, _| file.text(tags::SLOPE, "0.5").text(tags::INTERCEPT, "-1024"),
+        |file, z| file.text(tags::INTERCEPT, &format!("{}", 40 + z)),
+        |file, _| file.u16(tags::PADDING, 9),
+        |file, _| file.bits(16, 12, 11, true).text(tags::INTERCEPT, "-1000"),
+    ];
+    for (which, variant) in variants.iter().enumerate() {
+        let folder = tempfile::tempdir().unwrap();
+        for z in 0..count {
+            let pixel = |i: u16| number(i % columns, i / columns, z);
+            let pixels: Vec<u8> =
+                (0..columns * rows).flat_map(|i| pixel(i).to_le_bytes()).collect();
+            let file = File::slice(f64::from(z), [0; 6]).u16(tags::COLUMNS, columns);
+            let file = variant(file.u16(tags::ROWS, rows).pixels(&pixels), z);
+            write(&folder, &format!("{}.dcm", 99 - z), &file);
+        }
+        let path = folder.path().join("99.dcm");
+        let plain = ImportOptions::default();
+        let held = format::load_volume(&path, &plain, &narrow, &());
+        assert!(matches!(held, Err(FormatError::OverBudget(_))), "{which} fits into memory");
+        let expected = format::load(&path, &plain, &Limits::default(), &()).unwrap();
+        let found = format::load(&path, &plain, &narrow, &()).unwrap();
+        assert!(found.contents.grid == expected.contents.grid, "{which}");
+        assert!(found.contents.material == expected.contents.material, "{which}");
+        assert_eq!(found.notes, expected.notes, "{which}");
+        assert!(found.contents.grid.opaque_count() > 2000, "{which}");
+        let told = |limits| format::info_with(&path, &plain, limits, &()).unwrap();
+        assert_eq!(told(&narrow), told(&Limits::default()), "{which}");
+        // A slice whose pixels are cut.
+        let cut = std::fs::read(folder.path().join("90.dcm")).unwrap();
+        std::fs::write(folder.path().join("90.dcm"), &cut[..cut.len() - 99]).unwrap();
+        let error = format::load(&path, &plain, &narrow, &()).map(|_| ()).unwrap_err().to_string();
+        assert!(error.contains("cut"), "{which}: {error}");
+    }
+}

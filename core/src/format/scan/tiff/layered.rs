@@ -14,7 +14,7 @@ use super::super::frame::AxisFrame;
 use super::super::numbers::Number;
 use super::super::reading::{Reading, Scan};
 use super::{Page, TiffStack, page_of};
-use crate::format::layered::{LayeredVolume, PartPacking, StoredVoxels, VoxelPart};
+use crate::format::layered::{LayeredVolume, PartPacking, StoredNumbers, StoredVoxels, VoxelPart};
 use crate::format::{FormatError, store};
 
 /// The most strips whose places are kept.
@@ -77,7 +77,11 @@ pub fn scan(path: &Path, reading: &Reading) -> Result<Option<Scan>, FormatError>
     let kind = stack.kind();
     let TiffStack { dims, voxel_size, volumes, notes, .. } = stack;
     let PageCoding { number, is_big, .. } = coding;
-    let stored = StoredVoxels { parts, skip: 0, number, is_big, scale: [1.0, 0.0] };
+    let stored = StoredVoxels {
+        parts,
+        skip: 0,
+        numbers: StoredNumbers { number, is_big, scale: [1.0, 0.0] },
+    };
     let volume = LayeredVolume::new(stored, dims, voxel_size, Vec::new(), reading.progress)?.into();
     let frame = AxisFrame::Unknown;
     Ok(Some(Scan { volume, frame, kind, is_label: false, volumes, notes }))
