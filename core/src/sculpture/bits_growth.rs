@@ -25,7 +25,7 @@ pub(crate) fn bits_growth(grid: &Grid, region: &impl Region, adds: bool, is_clos
     }
     let wanted = if adds { PaintTarget::Missing } else { PaintTarget::Existing };
     let mut growth = BitsGrowth::default();
-    for_each_portion(grid, region, wanted, true, |portion| {
+    for_each_portion(grid, region, wanted, true, &mut |portion| {
         // Around a cube that becomes uniform, nodes may have to be opened.
         growth.bytes += portion.cubes.len() as u64 * LEAF_BYTES;
         for (b, mask) in portion.bricks {

@@ -70,7 +70,7 @@ pub fn edit(
         EditOp::Subtract => false,
         EditOp::Recolour(colour) => {
             let mut stats = EditStats::default();
-            for_each_portion(grid, region, PaintTarget::Existing, true, |voxels| {
+            for_each_portion(grid, region, PaintTarget::Existing, true, &mut |voxels| {
                 stats += paint(material, &voxels, colour, recorder, dirty);
             });
             return stats;
@@ -192,31 +192,43 @@ fn change_bits(
     done.stats.voxels_removed += voxels_removed;
     done.stats.bricks_changed +=
         done.changed.iter().map(|leaf| u64::from(leaf.bricks.count())).sum::<u64>();
-    // Leaves in a row along x share what the region computes for the rows of bricks.
-    leaves.sort_unstable_by_key(|leaf| (leaf.leaf.z, leaf.leaf.y, leaf.leaf.x));
     let work = LeafWork { region, recorder, bits, bricks, place };
-    let rows = leaves.chunk_by_mut(|a, b| (a.leaf.y, a.leaf.z) == (b.leaf.y, b.leaf.z));
     let level = Level::new();
     let edit_row = |row: &mut [LentLeaf], cut: &mut Vec<_>, done: &mut Changed| {
         SCRATCH.with_borrow_mut(
             |scratch| dispatch!(level, simd => work.edit_row(simd, row, cut, scratch, done)),
         );
     };
+    let rows = in_rows(&mut leaves);
     if bricks.brick_count() >= PARALLEL_BRICKS {
-        let rows: Vec<_> = rows.collect();
-        let one = |row| {
-            let mut done = Changed::default();
-            edit_row(row, &mut Vec::new(), &mut done);
-            done
-        };
-        let parts: Vec<Changed> = rows.into_par_iter().map(one).collect();
-        parts.into_iter().for_each(|part| done.append(part));
+        edit_at_once(rows, &|row, done| edit_row(row, &mut Vec::new(), done), &mut done);
     } else {
         let mut cut = Vec::new();
-        rows.for_each(|row| edit_row(row, &mut cut, &mut done));
+        rows.into_iter().for_each(|row| edit_row(row, &mut cut, &mut done));
     }
     grid.put_back(leaves);
     done
+}
+
+/// Sorts leaves. Returns the rows of them along x, which share what a region computes for the rows of bricks.
+fn in_rows(leaves: &mut [LentLeaf]) -> Vec<&mut [LentLeaf]> {
+    leaves.sort_unstable_by_key(|leaf| (leaf.leaf.z, leaf.leaf.y, leaf.leaf.x));
+    leaves.chunk_by_mut(|a, b| (a.leaf.y, a.leaf.z) == (b.leaf.y, b.leaf.z)).collect()
+}
+
+/// Edits rows of leaves on all threads. Calls `edit_row` through a pointer, so that it is compiled once for all regions.
+fn edit_at_once(
+    rows: Vec<&mut [LentLeaf]>,
+    edit_row: &(dyn Fn(&mut [LentLeaf], &mut Changed) + Sync),
+    done: &mut Changed,
+) {
+    let one = |row| {
+        let mut done = Changed::default();
+        edit_row(row, &mut done);
+        done
+    };
+    let parts: Vec<Changed> = rows.into_par_iter().map(one).collect();
+    parts.into_iter().for_each(|part| done.append(part));
 }
 
 /// An edit of the bits of leaves.

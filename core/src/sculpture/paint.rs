@@ -33,7 +33,7 @@ pub fn paint_each(
     let one = |b: UVec3, local: u32, now: Rgb| {
         colour(b * BRICK_EDGE_VX + UVec3::from(local_coords(local)), now)
     };
-    for_each_portion(grid, region, PaintTarget::Existing, false, |voxels| {
+    for_each_portion(grid, region, PaintTarget::Existing, false, &mut |voxels| {
         let painted = material.paint_bricks_by(&voxels.bricks, &one);
         recorder.close_painting(&painted, dirty);
         stats.voxels_recoloured += painted.voxels;

@@ -25,13 +25,16 @@ const PORTION_LEAVES: usize = 256;
 /// Bricks on an edge of a leaf.
 const LEAF_EDGE: u32 = 8;
 
+/// Voxels by brick.
+type VoxelsByBrick = Vec<(UVec3, Brick)>;
+
 /// Voxels that are to be painted.
 #[derive(Default, Debug)]
 pub(super) struct ToPaint {
     /// Cubes of whole bricks.
     pub cubes: Vec<ColourCube>,
     /// Voxels by brick, those of a leaf beside each other.
-    pub bricks: Vec<(UVec3, Brick)>,
+    pub bricks: VoxelsByBrick,
 }
 
 impl ToPaint {
@@ -66,7 +69,7 @@ pub(super) fn for_each_portion(
     region: &impl Region,
     wanted: PaintTarget,
     by_cube: bool,
-    mut f: impl FnMut(ToPaint),
+    f: &mut dyn FnMut(ToPaint),
 ) {
     let Some(bricks) = BrickBox::around(region, grid) else { return };
     let mut whole = ToPaint::default();
@@ -86,16 +89,31 @@ pub(super) fn for_each_portion(
     if !whole.cubes.is_empty() {
         f(whole);
     }
-    leaves.sort_unstable_by_key(|leaf| (leaf.z, leaf.y, leaf.x));
-    let rows: Vec<&[UVec3]> = leaves.chunk_by(|a, b| (a.y, a.z) == (b.y, b.z)).collect();
     let finder = Finder { grid, region, wanted, bricks };
     let level = Level::new();
-    let one = |row: &&[UVec3]| dispatch!(level, simd => finder.in_row(simd, row));
+    find_in_rows(
+        &mut leaves,
+        bricks.brick_count() >= PARALLEL_BRICKS,
+        &|row| dispatch!(level, simd => finder.in_row(simd, row)),
+        f,
+    );
+}
+
+/// Calls `f` with what `in_row` finds in rows of leaves along x, portion by portion. Calls through pointers, so that it is
+/// compiled once for all regions.
+fn find_in_rows(
+    leaves: &mut [UVec3],
+    parallel: bool,
+    in_row: &(dyn Fn(&[UVec3]) -> VoxelsByBrick + Sync),
+    f: &mut dyn FnMut(ToPaint),
+) {
+    leaves.sort_unstable_by_key(|leaf| (leaf.z, leaf.y, leaf.x));
+    let rows: Vec<&[UVec3]> = leaves.chunk_by(|a, b| (a.y, a.z) == (b.y, b.z)).collect();
     let most_in_row = rows.iter().map(|row| row.len()).max().unwrap_or(1);
     for rows in rows.chunks((PORTION_LEAVES / most_in_row).max(1)) {
-        let found: Vec<Vec<(UVec3, Brick)>> = match bricks.brick_count() >= PARALLEL_BRICKS {
-            true => rows.par_iter().map(one).collect(),
-            false => rows.iter().map(one).collect(),
+        let found: Vec<VoxelsByBrick> = match parallel {
+            true => rows.par_iter().map(|row| in_row(row)).collect(),
+            false => rows.iter().map(|row| in_row(row)).collect(),
         };
         f(ToPaint { bricks: found.concat(), ..ToPaint::default() });
     }
@@ -112,7 +130,7 @@ struct Finder<'a, R> {
 impl<R: Region> Finder<'_, R> {
     /// Returns the wanted voxels of leaves of one row along x, leaf by leaf.
     #[inline(always)]
-    fn in_row<S: Simd>(&self, simd: S, leaves: &[UVec3]) -> Vec<(UVec3, Brick)> {
+    fn in_row<S: Simd>(&self, simd: S, leaves: &[UVec3]) -> VoxelsByBrick {
         let mut found = Vec::new();
         let Some(first) = leaves.first() else { return found };
         let low = first * LEAF_EDGE;
@@ -199,7 +217,7 @@ pub(crate) fn growth(
         return material.most_growth(bricks.min(most));
     }
     let mut growth = ColourGrowth::of(material);
-    for_each_portion(grid, region, wanted, colour.is_some(), |portion| {
+    for_each_portion(grid, region, wanted, colour.is_some(), &mut |portion| {
         if let Some(colour) = colour {
             portion.cubes.into_iter().for_each(|cube| growth.add_cube(cube, colour));
         }

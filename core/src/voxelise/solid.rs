@@ -52,12 +52,12 @@ pub(super) fn fill(cut: &CutMesh, empty: Grid, has_holes: bool) -> Result<Grid, 
     build(cut, empty, |layer, layers| {
         let along_x = cut.placed.cross(&cut.slabs[0], layer);
         let Some(along_z) = &votes else {
-            return Ok(layers.add(|row| {
+            return Ok(layers.add(&|row| {
                 fill_along_x(&along_x, row);
             }));
         };
         let along_y = YVotes::new(cut, layer);
-        Ok(layers.add(|row| {
+        Ok(layers.add(&|row| {
             let unsure = fill_along_x(&along_x, row);
             let in_z = along_z.row(layer, row);
             for (z, y) in (0..LEAF_EDGE_VX).flat_map(|z| (0..LEAF_EDGE_VX).map(move |y| (z, y))) {
@@ -98,7 +98,7 @@ pub(super) fn shell(cut: &CutMesh, empty: Grid) -> Result<Grid, VoxeliseError> {
             sides(&cut.placed.cross(&cut.slabs[axis], layer), &mut |v| marks.0.push(Marks::of(v)));
         }
         marks.sort();
-        Ok(layers.add(|row| {
+        Ok(layers.add(&|row| {
             marks.in_row(row.y, |y, z, x| row.row(y, z)[x as usize / 64] |= 1 << (x % 64));
         }))
     })

@@ -145,13 +145,14 @@ impl VolumeImport<'_> {
         volume.for_each(Portions::Any, self.progress, &mut |z, data| {
             let voxels: &[[u8; B]] = data.as_chunks().0;
             let own = &mut bits[(z % LEAF_EDGE_VX) as usize * plane..];
-            let rows = own.par_chunks_mut(width).zip(voxels.par_chunks(dims.x as usize));
-            rows.for_each(|(words, row)| {
-                dispatch!(Level::new(), _simd => pack_row(row, words, exists));
+            let row_of = |i: usize| &voxels[i * dims.x as usize..][..dims.x as usize];
+            let own = &mut own[..voxels.len() / dims.x as usize * width];
+            for_each_row(own, width, &|i, words| {
+                dispatch!(Level::new(), _simd => pack_row(row_of(i), words, exists));
             });
             let next = z + (voxels.len() / (dims.x as usize * height)) as u32;
             if next.is_multiple_of(LEAF_EDGE_VX) || next == dims.z {
-                let bytes = layers.add(|leaves| {
+                let bytes = layers.add(&|leaves| {
                     let rows = LEAF_EDGE_VX.min(dims.y - leaves.y);
                     for (z, y) in (0..LEAF_EDGE_VX).flat_map(|z| (0..rows).map(move |y| (z, y))) {
                         let from = ((leaves.y + y) as usize + height * z as usize) * width;
@@ -244,6 +245,12 @@ impl VolumeImport<'_> {
         })?;
         Ok(painted)
     }
+}
+
+/// Calls `f` with each row of words and its number, on all threads. Calls through a pointer, so that it is compiled once for
+/// all kinds of voxels.
+fn for_each_row(words: &mut [u64], width: usize, f: &(dyn Fn(usize, &mut [u64]) + Sync)) {
+    words.par_chunks_mut(width).enumerate().for_each(|(i, row)| f(i, row));
 }
 
 /// Returns the page of a brick that `fill` colours; `None` if it has the base colour everywhere, as `blank` has.

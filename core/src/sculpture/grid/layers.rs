@@ -58,7 +58,7 @@ impl GridLayers {
     }
 
     /// Adds the next layer: `f` writes each of its rows of leaves. Returns the bytes of all layers so far.
-    pub fn add(&mut self, f: impl Fn(&mut LeafRow) + Sync) -> u64 {
+    pub fn add(&mut self, f: &(dyn Fn(&mut LeafRow) + Sync)) -> u64 {
         let leaf_dims = self.leaf_dims();
         let z = self.leaves.len() as u32 / (leaf_dims.x * leaf_dims.y);
         let (width, extent) = (leaf_dims.x as usize, self.grid.extent);
@@ -159,7 +159,7 @@ mod tests {
                 }
                 let mut layers = GridLayers::new(empty);
                 for layer in 0..layers.count() {
-                    layers.add(|row| {
+                    layers.add(&|row| {
                         for (z, y) in (0..64).flat_map(|z| (0..64).map(move |y| (z, y))) {
                             let at = IVec3::new(0, (row.y + y) as i32, (64 * layer + z) as i32);
                             for x in 0..64 * row.width as i32 {
