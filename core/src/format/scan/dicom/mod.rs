@@ -26,7 +26,7 @@ use self::data_set::{DataSet, MAGIC, MAGIC_AT, ReadExtent};
 use self::padding::Padding;
 use self::pixels::PixelLayout;
 use self::plane::{FrameData, FramePlane};
-use self::slices::{HeldSlices, Slices};
+use self::slices::{HeldSlices, SeriesSlices};
 use super::frame::AxisFrame;
 use super::numbers::volume;
 use super::reading::{Reading, Scan};
@@ -93,8 +93,14 @@ fn read(path: &Path, reading: &Reading) -> Result<(Scan, u64), FormatError> {
     };
     drop(data);
     drop(bytes);
-    let series =
-        Slices { files: &found.files, planes: &layers.planes, layout, padding, dims, reading };
+    let series = SeriesSlices {
+        files: &found.files,
+        planes: &layers.planes,
+        layout,
+        padding,
+        dims,
+        reading,
+    };
     reading.progress.begin("reading slices");
     let read = match series.may_stay() {
         true => series.layered(voxel_size, description),

@@ -23,7 +23,7 @@ use crate::format::{FormatError, Samples, budget_bytes, go_on, store};
 const FILES_AT_ONCE: usize = 32;
 
 /// The slices of a series, from the lowest layer to the highest.
-pub struct Slices<'a> {
+pub struct SeriesSlices<'a> {
     pub files: &'a [PathBuf],
     pub planes: &'a [FramePlane],
     pub layout: PixelLayout,
@@ -40,7 +40,7 @@ pub struct HeldSlices {
     pub is_filled: bool,
 }
 
-impl Slices<'_> {
+impl SeriesSlices<'_> {
     /// Returns whether the slices should stay in their files: they are many, and large together.
     pub fn may_stay(&self) -> bool {
         self.files.len() > 1 && self.reading.is_large(self.layout.number.volume_bytes(self.dims))
@@ -227,7 +227,7 @@ impl Survey {
     }
 }
 
-/// Slices that stay in their files.
+/// SeriesSlices that stay in their files.
 #[derive(Debug)]
 struct SliceFiles {
     /// The file and the frame of each layer.
