@@ -68,9 +68,12 @@ impl LevelStage {
         let mut followed = BrickSet::default();
         match (reshaded, &mut self.levels) {
             (Some(changed), Some(levels)) if levels.fits(grid) => {
-                // Normals of bricks out of sight may follow later.
-                levels.follow_edits(grid, edited);
-                followed = levels.follow(grid, changed);
+                match wish.device {
+                    Some(_) => levels.follow(grid, edited),
+                    // Normals of bricks out of sight may follow later.
+                    None => levels.follow_edits(grid, edited),
+                }
+                followed = levels.follow_normals(grid, changed);
             }
             _ => self.forget(),
         }

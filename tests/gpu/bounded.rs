@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use glam::{Affine3A, UVec2, Vec3};
 use virtual_sculpture::document::{Document, Limits};
-use virtual_sculpture::render::{FrameDesc, RenderMode};
+use virtual_sculpture::render::{FrameDesc, RenderMode, SmoothSurface};
 use virtual_sculpture::scenes;
 use virtual_sculpture::screen::offscreen::FORMAT;
 use virtual_sculpture::sculpture::history::Contents;
@@ -70,5 +70,53 @@ fn a_resting_picture_has_all_its_normals_however_little_memory_they_may_take() {
             let is_bounded = mode != RenderMode::MarchGpu;
             assert_eq!(counts[5] > 1, is_bounded, "{mode:?}: {counts:?}");
         }
+    });
+}
+
+/// The smooth surface, antialiased, of a sculpture whose normals do not fit: what a view at rest shows is computed for it,
+/// also where it was removed, or edited out of sight, meanwhile.
+#[test]
+fn a_resting_picture_has_all_of_its_smooth_surface() {
+    with_device(|device| {
+        let mut whole = document(Limits::default());
+        let all_bytes = NormalField::of(whole.grid()).heap_bytes();
+        let limits = Limits { grid_bytes: all_bytes / 6, ..Limits::default() };
+        let mut bounded = document(limits);
+        let painter = |patience| {
+            let mut painter = Painter::new(device, FORMAT);
+            painter.renderer.set_patience(patience);
+            painter.renderer.set_refinement(3);
+            painter
+        };
+        let mut window = painter(Some(Duration::from_millis(1)));
+        let mut reference = painter(None);
+        let aslant = Vec3::new(0.8, 0.6, 1.0);
+        let mut frames = Vec::new();
+        for (side, edit) in [
+            (Vec3::X, None),
+            (Vec3::Y, None),
+            (-Vec3::X, Some("subtract ellipsoid at=150,80,80 half=20")),
+            (aslant, Some("add ellipsoid at=80,150,80 half=16")),
+            (Vec3::X, None),
+            (Vec3::Y, Some("undo")),
+            (Vec3::Y, None),
+        ] {
+            for document in [&mut whole, &mut bounded] {
+                edit.iter().for_each(|line| _ = document.apply(&line.parse().unwrap()).unwrap());
+            }
+            // Of more than a pixel for each voxel.
+            let eyes = [Camera::framing(55.0, side, Vec3::Y).eye(UVec2::new(200, 150))];
+            let world_from_grid = Affine3A::from_translation(Vec3::splat(-0.5 * EDGE as f32));
+            let smooth_surface = SmoothSurface::AtRest;
+            let desc =
+                FrameDesc { world_from_grid, smooth_surface, ..desc(RenderMode::Ray, &eyes) };
+            let (expected, _) = rest(&mut reference, &mut whole, &desc);
+            let (found, count) = rest(&mut window, &mut bounded, &desc);
+            assert!(found == expected, "from {side} after {edit:?} and {count} frames");
+            let blocky = FrameDesc { smooth_surface: SmoothSurface::Never, ..desc };
+            assert!(rest(&mut reference, &mut whole, &blocky).0 != expected, "it is not smooth");
+            frames.push(count);
+        }
+        assert!(frames[4] > 5 && frames[6] < frames[4], "{frames:?}");
     });
 }

@@ -125,10 +125,9 @@ impl LevelSet {
         self.cells.dims() == grid.dims() + 1
     }
 
-    /// Notes that voxels, normals or depths of bricks (linear indices) have changed. Updates the cells. Returns the bricks
-    /// whose levels may differ.
-    pub fn follow(&mut self, grid: &Grid, changed: &[u32]) -> BrickSet {
-        self.follow_within(grid, changed, 1)
+    /// Notes that voxels of bricks (linear indices) have changed, perhaps with their normals. Updates the cells.
+    pub fn follow(&mut self, grid: &Grid, changed: &[u32]) {
+        self.follow_within(grid, changed, 1);
     }
 
     /// Notes that voxels of bricks have changed, and with them the normals around them.
@@ -136,12 +135,25 @@ impl LevelSet {
         self.follow_within(grid, edited, 1 + REACH_BRICKS);
     }
 
-    fn follow_within(&mut self, grid: &Grid, changed: &[u32], reach: u32) -> BrickSet {
+    /// Notes that normals or depths of bricks have changed. Returns the bricks whose levels may differ.
+    pub fn follow_normals(&mut self, grid: &Grid, changed: &[u32]) -> BrickSet {
+        self.mark_around(grid, changed, 1)
+    }
+
+    /// Marks the levels within so many bricks of others as out of date. Returns their bricks.
+    fn mark_around(&mut self, grid: &Grid, changed: &[u32], reach: u32) -> BrickSet {
         let coords = changed.iter().map(|&index| grid.brick_coords(index as usize));
         let around = around(grid, coords, reach);
-        let mut bricks = Vec::new();
         for (leaf, mask) in around.leaves() {
             self.stale.insert_in(leaf.coords(), &mask);
+        }
+        around
+    }
+
+    fn follow_within(&mut self, grid: &Grid, changed: &[u32], reach: u32) {
+        let around = self.mark_around(grid, changed, reach);
+        let mut bricks = Vec::new();
+        for (leaf, mask) in around.leaves() {
             for_each_in(leaf, &mask, |b| bricks.push(grid.brick_index(b) as u32));
         }
         let places = bricks.iter().flat_map(|&index| {
@@ -160,7 +172,6 @@ impl LevelSet {
             self.cells.set_brick(place as usize, now);
             self.recut.push(index);
         }
-        around
     }
 
     /// Computes the outstanding levels, on all cores. Appends the bricks whose levels or cells differ from before, in
