@@ -7,15 +7,21 @@
 
 use std::fmt::Display;
 use std::sync::Arc;
+use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
+
+use glam::UVec3;
 
 use super::{IndexTarget, LevelMarch, LevelTask, Levels, MAX_EYES, Normals};
 use crate::gpu::{Device, GpuError, Recorder, Result};
-use crate::sculpture::Grid;
 use crate::sculpture::brick_set::{BrickSet, for_each_in};
+use crate::sculpture::{Grid, GridError};
 use crate::shade::{LevelSampler, LevelSet, NormalField};
 use crate::surface::{IndexMap, PixelRect, PixelRects, changed_pixels, pixels_of_grid};
 use crate::view::PixelRays;
+
+/// Bits of a grid from which on a picture that must not wait lets another thread find its cells.
+const LARGE_BYTES: u64 = 8 << 20;
 
 /// Reach of a voxel's level beyond the voxel: cells lie between the middles of voxels.
 const LEVEL_REACH_VX: u32 = 1;
@@ -32,10 +38,22 @@ pub(super) struct LevelWish {
     pub patience: Option<Duration>,
 }
 
+type NewLevels = std::result::Result<LevelSet, GridError>;
+
+/// A surface whose cells another thread finds.
+struct BegunLevels {
+    thread: JoinHandle<NewLevels>,
+    /// The size of its grid in voxels.
+    dims: UVec3,
+    /// The bricks that have changed, or have other normals, since it began.
+    changed: Vec<u32>,
+}
+
 /// See the module text.
 #[derive(Default)]
 pub(super) struct LevelStage {
     levels: Option<LevelSet>,
+    begun: Option<BegunLevels>,
     sampler: LevelSampler,
     /// The present picture shows the smooth surface.
     active: bool,
@@ -75,6 +93,12 @@ impl LevelStage {
                 }
                 followed = levels.follow_normals(grid, changed);
             }
+            (Some(changed), None) => match &mut self.begun {
+                Some(begun) if begun.dims == grid.dims() => {
+                    begun.changed.extend_from_slice(changed)
+                }
+                _ => self.forget(),
+            },
             _ => self.forget(),
         }
         if reshaded.is_none() {
@@ -98,7 +122,7 @@ impl LevelStage {
     }
 
     fn forget(&mut self) {
-        (self.levels, self.copy, self.was_complete) = (None, None, false);
+        (self.levels, self.begun, self.copy, self.was_complete) = (None, None, None, false);
     }
 
     /// Decides whether the next pictures show the surface, and if so, updates it.
@@ -119,9 +143,13 @@ impl LevelStage {
             return Ok(());
         }
         if self.levels.is_none() {
-            match LevelSet::new(grid, wish.budget_bytes) {
-                Ok(levels) => self.levels = Some(levels),
-                Err(reason) => {
+            match self.begin(grid, wish) {
+                Some(Ok(levels)) => self.levels = Some(levels),
+                None => {
+                    self.pending = true;
+                    return Ok(());
+                }
+                Some(Err(reason)) => {
                     self.give_up(&reason);
                     return Ok(());
                 }
@@ -137,6 +165,36 @@ impl LevelStage {
             Err(error) => return Err(error),
         }
         Ok(())
+    }
+
+    /// Returns the surface, of which nothing is computed yet; `None` while another thread finds its cells.
+    fn begin(&mut self, grid: &Grid, wish: &LevelWish) -> Option<NewLevels> {
+        let budget_bytes = wish.budget_bytes;
+        match self.begun.take() {
+            Some(begun) if wish.patience.is_some() && !begun.thread.is_finished() => {
+                self.begun = Some(begun);
+                None
+            }
+            Some(BegunLevels { thread, changed, .. }) => {
+                let levels = thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+                Some(levels.map(|mut levels| {
+                    levels.follow_edits(grid, &changed);
+                    levels
+                }))
+            }
+            None if wish.patience.is_some() && grid.heap_bytes() > LARGE_BYTES => {
+                let (snapshot, dims, changed) = (grid.clone(), grid.dims(), Vec::new());
+                let find = move || LevelSet::new(&snapshot, budget_bytes);
+                match thread::Builder::new().name("cells".to_string()).spawn(find) {
+                    Ok(thread) => {
+                        self.begun = Some(BegunLevels { thread, dims, changed });
+                        None
+                    }
+                    Err(_) => Some(LevelSet::new(grid, budget_bytes)),
+                }
+            }
+            None => Some(LevelSet::new(grid, budget_bytes)),
+        }
     }
 
     fn give_up(&mut self, reason: &dyn Display) {

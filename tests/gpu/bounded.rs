@@ -9,7 +9,7 @@ use virtual_sculpture::render::{FrameDesc, RenderMode, SmoothSurface};
 use virtual_sculpture::scenes;
 use virtual_sculpture::screen::offscreen::FORMAT;
 use virtual_sculpture::sculpture::history::Contents;
-use virtual_sculpture::sculpture::{ColourDepth, Material, Rgb};
+use virtual_sculpture::sculpture::{ColourDepth, Grid, Material, Rgb};
 use virtual_sculpture::shade::{NormalField, Pixels};
 use virtual_sculpture::view::Camera;
 
@@ -21,7 +21,10 @@ const EDGE: u32 = 160;
 const MOST_FRAMES: usize = 2000;
 
 fn document(limits: Limits) -> Document {
-    let grid = scenes::cheese(EDGE, 60, 5).unwrap();
+    document_of(scenes::cheese(EDGE, 60, 5).unwrap(), limits)
+}
+
+fn document_of(grid: Grid, limits: Limits) -> Document {
     let material = Material::for_grid(&grid, ColourDepth::None, Rgb::new(200, 180, 160));
     Document::from_contents(Contents::new(grid, material), limits)
 }
@@ -118,5 +121,39 @@ fn a_resting_picture_has_all_of_its_smooth_surface() {
             frames.push(count);
         }
         assert!(frames[4] > 5 && frames[6] < frames[4], "{frames:?}");
+    });
+}
+
+/// No frame waits for the cells of the smooth surface of a large sculpture. Edits meanwhile are not lost.
+#[test]
+fn a_large_sculpture_is_smooth_once_its_cells_are_found() {
+    with_device(|device| {
+        let grid = scenes::gyroid_shell(1024).unwrap();
+        assert!(grid.heap_bytes() > 8 << 20, "it is not large: {} bytes", grid.heap_bytes());
+        // So that few normals are computed beside those that are seen.
+        let limits = Limits { grid_bytes: grid.heap_bytes() / 4 * 5, ..Limits::default() };
+        let mut shown = document_of(grid, limits);
+        let mut window = Painter::new(device, FORMAT);
+        window.renderer.set_patience(Some(Duration::from_millis(1)));
+        window.renderer.set_refinement(2);
+        // A corner, of some pixels for each voxel.
+        let eyes = [Camera::framing(30.0, Vec3::ONE, Vec3::Y).eye(UVec2::new(120, 90))];
+        let corner = Affine3A::from_translation(Vec3::splat(-1000.0));
+        let smooth_surface = SmoothSurface::AtRest;
+        let desc =
+            FrameDesc { world_from_grid: corner, smooth_surface, ..desc(RenderMode::Ray, &eyes) };
+        for edit in ["subtract ellipsoid at=1010,1005,1000 half=12", "undo"] {
+            for _ in 0..6 {
+                window.paint(&mut shown, &desc);
+            }
+            shown.apply(&edit.parse().unwrap()).unwrap();
+            let (found, frames) = rest(&mut window, &mut shown, &desc);
+            let mut same = document_of(shown.grid().clone(), limits);
+            let mut other = Painter::new(device, FORMAT);
+            other.renderer.set_patience(Some(Duration::from_secs(60)));
+            other.renderer.set_refinement(2);
+            let (expected, _) = rest(&mut other, &mut same, &desc);
+            assert!(found == expected, "after {edit} and {frames} frames");
+        }
     });
 }
