@@ -11,12 +11,12 @@ use sculpture_core::scenes::Random;
 use super::uses::{self, Place};
 
 const EDGE: u32 = 4096;
-const STROKES: usize = 2000;
+const STROKES: usize = 20_000;
 /// Strokes that are taken back and made again together.
 const BATCH: usize = 50;
 
 /// The memory that the process takes without a sculpture, in MiB: code, threads, and room for the work.
-const IDLE_MIB: u64 = 150;
+const IDLE_MIB: u64 = 80;
 
 fn random_point(random: &mut Random) -> Vec3 {
     Vec3::new(random.unit(), random.unit(), random.unit())
@@ -44,6 +44,8 @@ fn stroke(hollows: &mut Vec<(Vec3, f32)>, random: &mut Random) -> Command {
     }
     let (centre, radius) = hollows[pick(random, hollows.len())];
     let mut all = uses::of_every_tool(&place_on(centre, radius, random));
+    // Cuts all of the block, which is no stroke.
+    all.retain(|command| !command.to_string().contains(" half-space "));
     all.swap_remove(pick(random, all.len()))
 }
 

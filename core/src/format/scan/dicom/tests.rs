@@ -484,7 +484,7 @@ fn damaged_files_never_cause_a_panic() {
 #[test]
 fn a_large_series_stays_in_its_files() {
     let (columns, rows, count) = (48u16, 40u16, 24u16);
-    let narrow = Limits { grid_bytes: 64 << 10, colour_bytes: 64 << 10, ..Limits::default() };
+    let narrow = Limits { grid_bytes: 64 << 10, colour_bytes: 128 << 10, ..Limits::default() };
     let number = |x: u16, y: u16, z: u16| {
         let [x, y, z] = [(x, columns), (y, rows), (z, count)]
             .map(|(at, size)| f32::from(at) + 0.5 - 0.5 * f32::from(size));
