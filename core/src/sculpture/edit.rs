@@ -199,26 +199,31 @@ fn change_bits(
             |scratch| dispatch!(level, simd => work.edit_row(simd, row, cut, scratch, done)),
         );
     };
-    let rows = in_rows(&mut leaves);
+    sort_rows(&mut leaves);
     if bricks.brick_count() >= PARALLEL_BRICKS {
-        edit_at_once(rows, &|row, done| edit_row(row, &mut Vec::new(), done), &mut done);
+        edit_at_once(&mut leaves, &|row, done| edit_row(row, &mut Vec::new(), done), &mut done);
     } else {
         let mut cut = Vec::new();
-        rows.into_iter().for_each(|row| edit_row(row, &mut cut, &mut done));
+        rows_of(&mut leaves).for_each(|row| edit_row(row, &mut cut, &mut done));
     }
     grid.put_back(leaves);
     done
 }
 
-/// Sorts leaves. Returns the rows of them along x, which share what a region computes for the rows of bricks.
-fn in_rows(leaves: &mut [LentLeaf]) -> Vec<&mut [LentLeaf]> {
+/// Sorts leaves by rows along x, which share what a region computes for the rows of bricks.
+fn sort_rows(leaves: &mut [LentLeaf]) {
     leaves.sort_unstable_by_key(|leaf| (leaf.leaf.z, leaf.leaf.y, leaf.leaf.x));
-    leaves.chunk_by_mut(|a, b| (a.leaf.y, a.leaf.z) == (b.leaf.y, b.leaf.z)).collect()
 }
 
-/// Edits rows of leaves on all threads. Calls `edit_row` through a pointer, so that it is compiled once for all regions.
+/// Returns the rows of sorted leaves.
+fn rows_of(leaves: &mut [LentLeaf]) -> impl Iterator<Item = &mut [LentLeaf]> {
+    leaves.chunk_by_mut(|a, b| (a.leaf.y, a.leaf.z) == (b.leaf.y, b.leaf.z))
+}
+
+/// Edits rows of sorted leaves on all threads. Calls `edit_row` through a pointer, so that it is compiled once for all
+/// regions.
 fn edit_at_once(
-    rows: Vec<&mut [LentLeaf]>,
+    leaves: &mut [LentLeaf],
     edit_row: &(dyn Fn(&mut [LentLeaf], &mut Changed) + Sync),
     done: &mut Changed,
 ) {
@@ -227,6 +232,7 @@ fn edit_at_once(
         edit_row(row, &mut done);
         done
     };
+    let rows: Vec<&mut [LentLeaf]> = rows_of(leaves).collect();
     let parts: Vec<Changed> = rows.into_par_iter().map(one).collect();
     parts.into_iter().for_each(|part| done.append(part));
 }
