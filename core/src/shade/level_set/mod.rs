@@ -196,8 +196,8 @@ impl LevelSet {
         sort_from(changed, first);
     }
 
-    /// Computes those of `wanted` that are outstanding, and the normals that they are made of, while `goes_on` returns
-    /// true. Returns whether none is left. Reports bricks as [`LevelSet::update`] does.
+    /// Computes those of `wanted` that are outstanding, and the normals that they are made of, in portions, until
+    /// `goes_on` returns false after one. Returns whether none is left. Reports bricks as [`LevelSet::update`] does.
     pub fn complete(
         &mut self,
         grid: &Grid,
@@ -209,12 +209,15 @@ impl LevelSet {
         let first = self.report_recut(changed);
         let bricks = self.stale.take(wanted);
         let mut rest = &*bricks;
-        while !rest.is_empty() && goes_on() {
+        while !rest.is_empty() {
             let (portion, later) = rest.split_at(rest.len().min(SEEN_PORTION));
             let sources = around(grid, portion.iter().copied(), 1);
             normals.complete_bricks(grid, &sources, &mut Vec::new());
             self.compute(grid, normals, portion, changed);
             rest = later;
+            if !goes_on() {
+                break;
+            }
         }
         let mut left = BrickSet::default();
         rest.iter().for_each(|b| left.insert(*b));

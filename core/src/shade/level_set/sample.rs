@@ -8,6 +8,8 @@
 //! Levels can be complete, or computed as rays meet them: then parts of a picture are sampled again until none is
 //! missing.
 
+use std::cell::Cell;
+
 use glam::UVec3;
 use rayon::prelude::*;
 
@@ -102,8 +104,9 @@ impl LevelSampler {
         self.complete_rect(grid, (normals, levels), rect, map, &mut || true);
     }
 
-    /// Performs [`LevelSampler::sample_rect`] with levels of which any may be outstanding, while `goes_on` returns true.
-    /// Returns whether all pixels are sampled; if not, the next call needs to compute less.
+    /// Performs [`LevelSampler::sample_rect`] with levels of which any may be outstanding. Computes a portion of them at
+    /// least, and others while `goes_on` returns true. Returns whether all pixels are sampled; if not, the next call needs
+    /// to compute less.
     pub fn complete_rect(
         &mut self,
         grid: &Grid,
@@ -115,10 +118,18 @@ impl LevelSampler {
         let Some(rect) = self.begin(grid, levels, rect, map) else { return true };
         let mut changed = Vec::new();
         let mut outstanding = self.bricks_of_cells(grid, rect);
-        while levels.complete(grid, normals, &outstanding, &mut changed, goes_on) {
+        let is_over = Cell::new(false);
+        let mut goes_on = || {
+            is_over.set(!goes_on());
+            !is_over.get()
+        };
+        while levels.complete(grid, normals, &outstanding, &mut changed, &mut goes_on) {
             let found = self.sample_strips(LevelScene { grid, normals, levels }, rect, map);
             if found.is_empty() {
                 return true;
+            }
+            if is_over.get() {
+                break;
             }
             // Rays go on into the bricks beside them.
             outstanding = around(grid, found.into_iter(), 1);
