@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use glam::Affine3A;
 
-use super::frame_desc::FrameDesc;
+use super::frame_desc::{FrameDesc, SmoothSurface};
 use super::normal_stage::NormalsChange;
 use super::overlay_pixels::PictureOfGrid;
 use super::overlay_scene::{OverlayLine, ToolPreview};
@@ -43,6 +43,7 @@ pub(super) struct FrameCache {
     background: Background,
     ground: Option<Ground>,
     smooth_edges: bool,
+    smooth_surface: SmoothSurface,
     video: Option<(Instant, VideoView)>,
     previews: Vec<ToolPreview>,
     lines: Vec<OverlayLine>,
@@ -63,7 +64,7 @@ impl FrameCache {
         previews.extend_from_slice(desc.previews);
         lines.clear();
         lines.extend_from_slice(desc.lines);
-        let FrameDesc { lighting, background, ground, smooth_edges, .. } = *desc;
+        let FrameDesc { lighting, background, ground, smooth_edges, smooth_surface, .. } = *desc;
         let video = desc.video.map(|video| video.key());
         FrameCache {
             sample: sample_key(document, desc, smooth),
@@ -71,6 +72,7 @@ impl FrameCache {
             background,
             ground,
             smooth_edges,
+            smooth_surface,
             video,
             previews,
             lines,
@@ -139,6 +141,8 @@ impl RedrawPlan {
         let same_back = before.background == desc.background
             && same_ground
             && before.smooth_edges == desc.smooth_edges
+            // What the picture becomes at rest.
+            && before.smooth_surface == desc.smooth_surface
             && before.video == desc.video.map(|video| video.key());
         let same_tools = before.previews == desc.previews && before.lines == desc.lines;
         // While the view is still, an edit changes only some of the pixels.

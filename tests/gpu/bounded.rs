@@ -134,7 +134,7 @@ fn a_large_sculpture_is_smooth_once_its_cells_are_found() {
         let limits = Limits { grid_bytes: grid.heap_bytes() / 4 * 5, ..Limits::default() };
         let mut shown = document_of(grid, limits);
         let mut window = Painter::new(device, FORMAT);
-        window.renderer.set_patience(Some(Duration::from_millis(1)));
+        window.renderer.set_patience(Some(Duration::from_millis(20)));
         window.renderer.set_refinement(2);
         // A corner, of some pixels for each voxel.
         let eyes = [Camera::framing(30.0, Vec3::ONE, Vec3::Y).eye(UVec2::new(120, 90))];
