@@ -141,7 +141,7 @@ impl RedrawPlan {
         let same_back = before.background == desc.background
             && same_ground
             && before.smooth_edges == desc.smooth_edges
-            // What the picture becomes at rest.
+            // The picture at rest depends on it.
             && before.smooth_surface == desc.smooth_surface
             && before.video == desc.video.map(|video| video.key());
         let same_tools = before.previews == desc.previews && before.lines == desc.lines;

@@ -489,7 +489,7 @@ fn a_large_series_stays_in_its_files() {
         let [x, y, z] = [(x, columns), (y, rows), (z, count)]
             .map(|(at, size)| f32::from(at) + 0.5 - 0.5 * f32::from(size));
         let depth = 11.0 - Vec3::new(x, y, z).length();
-        // What lies outside of a cylinder was not scanned.
+        // Pixels outside of a cylinder were not scanned.
         if Vec3::new(x, y, 0.0).length() > 19.0 { 9 } else { 100 + (20.0 * depth.max(0.0)) as u16 }
     };
     let variants: [fn(File, u16) -> File; 5] = [
