@@ -71,7 +71,7 @@ enum LayerSource {
     Decoder(Arc<dyn LayerDecoder>),
 }
 
-/// The numbers of a volume as they are read.
+/// How the numbers of a volume are stored.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct StoredNumbers {
     pub number: Number,

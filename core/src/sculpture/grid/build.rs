@@ -21,9 +21,7 @@ pub(super) fn tree_of_bricks(
     levels: u32,
     f: &(dyn Fn(UVec3) -> Brick + Sync),
 ) -> Arc<TreeNode> {
-    tree_of_leaves(extent, levels, &|leaf| {
-        leaf_of(&extent, leaf, |b, valid| Value::of(f(b).and(valid)))
-    })
+    tree_of_cubes(extent, levels, &|_| None, f)
 }
 
 /// Returns the tree of the bricks that `f` adds to runs of `run` bricks in linear order, and the values that it returns.
@@ -47,7 +45,7 @@ pub(super) fn tree_of_runs<T: Send, E: Send>(
     let (values, runs): (Vec<T>, Vec<BrickRun>) = written?.into_iter().unzip();
     // Mostly a power of two, which spares two divisions a brick.
     let log2 = run.is_power_of_two().then(|| run.trailing_zeros());
-    let root = tree_of_leaves(extent, levels, &|leaf| {
+    let root = tree_of_leaves_and_cubes(extent, levels, &|_| None, &|leaf| {
         leaf_of(&extent, leaf, |b, _| {
             let index = (b.x + extent.bricks.x * (b.y + extent.bricks.y * b.z)) as usize;
             let (at, within) = match log2 {
@@ -58,15 +56,6 @@ pub(super) fn tree_of_runs<T: Send, E: Send>(
         })
     });
     Ok((root, values))
-}
-
-/// Returns the tree of the leaves that `leaf` returns for leaf coordinates.
-fn tree_of_leaves(
-    extent: Extent,
-    levels: u32,
-    leaf: &(dyn Fn(UVec3) -> Child + Sync),
-) -> Arc<TreeNode> {
-    tree_of_leaves_and_cubes(extent, levels, &|_| None, leaf)
 }
 
 /// Returns the tree of the cubes that `whole` says to be full (`true`) or empty, and of the bricks that `f` returns in
